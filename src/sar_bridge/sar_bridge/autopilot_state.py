@@ -1,0 +1,125 @@
+"""What the autopilot says of itself: mode, arming, position, attitude, mission progress."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+from pymavlink import mavutil
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+from sar_estimator.geodesy import Datum, valid_position
+from sar_estimator.states import Motion
+
+CLOCK_WINDOW = 200
+
+
+@dataclass(frozen=True, slots=True)
+class UavTelemetry:
+    """The UAV's motion in the map frame, its height above the datum and its attitude [rad].
+
+    Attitude is ENU / base_link (REP-103): roll to the right, pitch nose *down*, yaw
+    counter-clockwise from east, all positive.
+    """
+
+    motion: Motion
+    up_m: float
+    climb_mps: float
+    roll_rad: float
+    pitch_rad: float
+    yaw_rad: float
+
+
+class BootClock:
+    """Maps the autopilot's time since boot to the node's clock.
+
+    A message is never received before it was sent, so the least (receipt - boot time) seen of late
+    is the offset with the least delay in it. A step back of the boot time is a reboot.
+    """
+
+    def __init__(self) -> None:
+        """Begin with no offset."""
+        self._offsets: deque[float] = deque(maxlen=CLOCK_WINDOW)
+        self._last_boot_s = -math.inf
+        self.reboots = 0
+
+    def stamp(self, boot_s: float, received_s: float) -> float:
+        """Return when a message was sent, on the receiver's clock [s]."""
+        stepped = bool(self._offsets) and abs(received_s - boot_s - self._offsets[-1]) > 5.0
+        if boot_s < self._last_boot_s - 1.0:
+            self.reboots += 1
+        if boot_s < self._last_boot_s - 1.0 or stepped:
+            self._offsets.clear()
+        self._last_boot_s = boot_s
+        self._offsets.append(received_s - boot_s)
+        return boot_s + min(self._offsets)
+
+
+class AutopilotState:
+    """Folds telemetry messages into what the rest needs to know.
+
+    ``mode``: the flight mode's name, empty before the first heartbeat. ``heartbeat_s``: when the
+    last one came, by the caller's monotonic clock.
+    """
+
+    def __init__(self) -> None:
+        """Begin with nothing known."""
+        self.mode = ""
+        self.armed = False
+        self.ardupilot = True
+        self.heartbeat_s = -math.inf
+        self.current_item = 0
+        self.clock = BootClock()
+        self.telemetry: UavTelemetry | None = None
+        self._vehicle = mavlink.MAV_TYPE_FIXED_WING
+        self._attitude = (0.0, 0.0)
+
+    def handle(
+        self,
+        message: mavlink.MAVLink_message,
+        *,
+        monotonic_s: float,
+        ros_s: float,
+        datum: Datum | None,
+    ) -> bool:
+        """Take a message; return whether it brought a new position in the map frame."""
+        kind = message.get_type()
+        if kind == "HEARTBEAT":
+            self._heartbeat(message, monotonic_s)
+        elif kind == "ATTITUDE":
+            self._attitude = (message.roll, message.pitch)
+        elif kind == "MISSION_CURRENT":
+            self.current_item = message.seq
+        elif kind == "GLOBAL_POSITION_INT" and datum is not None:
+            return self._position(message, ros_s, datum)
+        return False
+
+    def _heartbeat(self, message: mavlink.MAVLink_message, monotonic_s: float) -> None:
+        if message.autopilot == mavlink.MAV_AUTOPILOT_INVALID:
+            return
+        self.heartbeat_s = monotonic_s
+        self.ardupilot = message.autopilot == mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA
+        self._vehicle = message.type
+        self.armed = bool(message.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED)
+        self.mode = mavutil.mode_string_v10(message)
+
+    def mode_number(self, name: str) -> int:
+        """Return the autopilot's number of a flight mode. Raises ``KeyError`` when it has none."""
+        mapping = mavutil.mode_mapping_byname(self._vehicle) or {}
+        return int(mapping[name])
+
+    def _position(
+        self, message: mavlink.MAVLink_message, ros_s: float, datum: Datum
+    ) -> bool:
+        latitude, longitude = message.lat / 1e7, message.lon / 1e7
+        if not valid_position(latitude, longitude) or (message.lat == 0 and message.lon == 0):
+            return False
+        stamp = self.clock.stamp(message.time_boot_ms / 1e3, ros_s)
+        east, north, up = datum.to_local(latitude, longitude, message.alt / 1e3)
+        motion = Motion(stamp, east, north, message.vy / 100.0, message.vx / 100.0)
+        yaw = math.radians(90.0 - message.hdg / 100.0) if message.hdg != 65535 else math.nan
+        if math.isnan(yaw):
+            yaw = motion.course_rad
+        roll, pitch = self._attitude
+        self.telemetry = UavTelemetry(motion, up, -message.vz / 100.0, roll, -pitch, yaw)
+        return True

@@ -1,0 +1,81 @@
+"""Waypoint lists as mission items: the only place where lat/lon in 1e7 degrees is made."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+from sar_estimator.geodesy import Datum
+from sar_estimator.states import Motion
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class MissionItem:
+    """One item of a mission, fields as in MISSION_ITEM_INT."""
+
+    command: int
+    latitude_e7: int
+    longitude_e7: int
+    altitude_m: float
+    frame: int = mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
+    params: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+
+
+def waypoint_items(points: FloatArray, datum: Datum, altitude_m: float) -> list[MissionItem]:
+    """Return the items of a waypoint list, shape (n, 2) [m]: waypoints and a final loiter.
+
+    The list ends in an unlimited loiter, so that a UAV that hears nothing more stays there. Item 0
+    is ArduPilot's home place-holder, which the autopilot ignores. ``altitude_m`` is above home.
+    """
+    items = []
+    for x, y in points:
+        latitude, longitude, _ = datum.to_geodetic(float(x), float(y))
+        items.append(
+            MissionItem(
+                mavlink.MAV_CMD_NAV_WAYPOINT,
+                round(latitude * 1e7),
+                round(longitude * 1e7),
+                altitude_m,
+            )
+        )
+    last = items[-1]
+    loiter = MissionItem(
+        mavlink.MAV_CMD_NAV_LOITER_UNLIM, last.latitude_e7, last.longitude_e7, altitude_m
+    )
+    home = MissionItem(
+        mavlink.MAV_CMD_NAV_WAYPOINT,
+        items[0].latitude_e7,
+        items[0].longitude_e7,
+        0.0,
+        frame=mavlink.MAV_FRAME_GLOBAL_INT,
+    )
+    return [home, *items, loiter]
+
+
+def first_ahead(points: FloatArray, uav: Motion | None, *, margin_m: float = 5.0) -> int:
+    """Return the index of the first waypoint the UAV need not turn back for.
+
+    A waypoint is passed when the UAV is beyond the line through it across the direction to the next
+    one, and flying that way; only waypoints passed from the beginning of the list are skipped.
+    """
+    if uav is None:
+        return 0
+    for i in range(len(points) - 1):
+        to_next = points[i + 1] - points[i]
+        length = float(np.hypot(*to_next))
+        if length < 1e-6:
+            continue
+        direction = to_next / length
+        beyond = float((np.array((uav.x_m, uav.y_m)) - points[i]) @ direction)
+        course = math.atan2(direction[1], direction[0])
+        same_way = math.cos(uav.course_rad - course) > 0.5
+        offset = points[i] - (uav.x_m, uav.y_m)
+        near = abs(float(direction[0] * offset[1] - direction[1] * offset[0])) < 200.0
+        if not (beyond > -margin_m and same_way and near):
+            return i
+    return len(points) - 1

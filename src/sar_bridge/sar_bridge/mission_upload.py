@@ -1,0 +1,163 @@
+"""Mission upload by the MAVLink mission protocol, as a pure state machine.
+
+https://mavlink.io/en/services/mission.html: COUNT, then the autopilot asks for every item, then
+ACK. The sender repeats what was not answered; a newer list supersedes one under way.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from sar_bridge.mission_items import MissionItem
+
+COUNT_TIMEOUT_S = 1.5
+ITEM_TIMEOUT_S = 0.25
+RETRIES = 5
+
+
+class UploadState(enum.StrEnum):
+    """How far an upload is."""
+
+    IDLE = "idle"
+    COUNTING = "counting"
+    SENDING = "sending"
+    ACCEPTED = "accepted"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True)
+class Address:
+    """A MAVLink system and component."""
+
+    system: int
+    component: int
+
+
+class MissionUpload:
+    """Uploads one list at a time. Times are of any monotonic clock [s].
+
+    ``state`` tells how far it is, ``failure`` why it ended in ``FAILED``, ``token`` whatever the
+    caller attached to the list.
+    """
+
+    def __init__(self, target: Address) -> None:
+        """Upload to ``target``."""
+        self.target = target
+        self.state = UploadState.IDLE
+        self.failure = ""
+        self.token: object = None
+        self.started_s = 0.0
+        self.finished_s = 0.0
+        self._items: list[MissionItem] = []
+        self._last: mavlink.MAVLink_message | None = None
+        self._sent_s = 0.0
+        self._tries = 0
+        self._highest_asked = -1
+
+    @property
+    def active(self) -> bool:
+        """Whether an upload is under way."""
+        return self.state in (UploadState.COUNTING, UploadState.SENDING)
+
+    def start(
+        self, items: list[MissionItem], token: object, now_s: float
+    ) -> list[mavlink.MAVLink_message]:
+        """Begin to upload ``items``, superseding any other; return what to send."""
+        self._items, self.token = items, token
+        self.state, self.failure = UploadState.COUNTING, ""
+        self.started_s = now_s
+        self._highest_asked = -1
+        count = mavlink.MAVLink_mission_count_message(
+            self.target.system,
+            self.target.component,
+            len(items),
+            mavlink.MAV_MISSION_TYPE_MISSION,
+        )
+        return self._send(count, now_s)
+
+    def cancel(self) -> None:
+        """Forget the upload under way."""
+        self.state = UploadState.IDLE
+
+    def _send(
+        self, message: mavlink.MAVLink_message, now_s: float
+    ) -> list[mavlink.MAVLink_message]:
+        self._last, self._sent_s, self._tries = message, now_s, 0
+        return [message]
+
+    def handle(
+        self, message: mavlink.MAVLink_message, now_s: float
+    ) -> list[mavlink.MAVLink_message]:
+        """Take a message of the target's; return what to send."""
+        if not self.active:
+            return []
+        kind = message.get_type()
+        if kind in ("MISSION_REQUEST_INT", "MISSION_REQUEST"):
+            return self._request(message, now_s)
+        if kind == "MISSION_ACK":
+            self._acknowledged(message, now_s)
+        return []
+
+    def _request(
+        self, message: mavlink.MAVLink_message, now_s: float
+    ) -> list[mavlink.MAVLink_message]:
+        seq = message.seq
+        if getattr(message, "mission_type", 0) != mavlink.MAV_MISSION_TYPE_MISSION:
+            return []
+        if seq >= len(self._items):
+            # A request left over from a longer list that this one superseded.
+            return []
+        self.state = UploadState.SENDING
+        self._highest_asked = max(self._highest_asked, seq)
+        item = self._items[seq]
+        sent = mavlink.MAVLink_mission_item_int_message(
+            self.target.system,
+            self.target.component,
+            seq,
+            item.frame,
+            item.command,
+            0,
+            1,
+            *item.params,
+            item.latitude_e7,
+            item.longitude_e7,
+            item.altitude_m,
+            mavlink.MAV_MISSION_TYPE_MISSION,
+        )
+        return self._send(sent, now_s)
+
+    def _acknowledged(self, message: mavlink.MAVLink_message, now_s: float) -> None:
+        if getattr(message, "mission_type", 0) != mavlink.MAV_MISSION_TYPE_MISSION:
+            return
+        complete = self._highest_asked == len(self._items) - 1
+        if message.type == mavlink.MAV_MISSION_ACCEPTED:
+            if complete:
+                self.state, self.finished_s = UploadState.ACCEPTED, now_s
+            # An early ACCEPTED answers an earlier upload: keep on.
+        elif message.type == mavlink.MAV_MISSION_OPERATION_CANCELLED and not complete:
+            return
+        else:
+            name = mavlink.enums["MAV_MISSION_RESULT"].get(message.type)
+            self._fail(f"autopilot refused: {name.name if name else message.type}", now_s)
+
+    def _fail(self, why: str, now_s: float) -> None:
+        self.state, self.failure, self.finished_s = UploadState.FAILED, why, now_s
+
+    def tick(self, now_s: float) -> list[mavlink.MAVLink_message]:
+        """Repeat what was not answered in time; give up after ``RETRIES``."""
+        if not self.active or self._last is None:
+            return []
+        limit = COUNT_TIMEOUT_S if self.state is UploadState.COUNTING else ITEM_TIMEOUT_S
+        if self._highest_asked == len(self._items) - 1:
+            limit = COUNT_TIMEOUT_S
+        if now_s - self._sent_s < limit:
+            return []
+        if self._tries >= RETRIES:
+            self._fail(f"no answer after {RETRIES} retries in state {self.state}", now_s)
+            return []
+        self._tries += 1
+        self._sent_s = now_s
+        return [self._last]

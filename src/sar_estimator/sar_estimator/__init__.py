@@ -1,0 +1,1 @@
+"""Helicopter motion and corner estimation from GPS fixes."""

@@ -1,0 +1,208 @@
+"""The helicopter's estimator: fixes in; motion, leg, phase and corner out."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sar_estimator.corner_tracker import CornerTracker
+from sar_estimator.fixes import Fix, FixScreen, Verdict
+from sar_estimator.geodesy import Datum
+from sar_estimator.leg import LegRow
+from sar_estimator.motion_filter import MotionFilter, normalised_innovation
+from sar_estimator.parameters import EstimatorParameters
+from sar_estimator.states import (
+    CornerEstimate,
+    FloatArray,
+    LegEstimate,
+    MotionEstimate,
+    Phase,
+)
+
+UNKNOWN_SPEED_SIGMA_MPS = 40.0
+TOP_SPEED_MPS = 100.0
+SURPRISE_CHI2 = 9.0
+
+
+class HelicopterEstimator:
+    """One aircraft's estimator. Feed it in time order; it reads no clock of its own.
+
+    ``datum`` is the map's origin, taken from the first usable fix when None was given.
+    """
+
+    def __init__(self, parameters: EstimatorParameters, datum: Datum | None = None) -> None:
+        """Begin with nothing known."""
+        self.parameters = parameters
+        self.datum = datum
+        self.screen = FixScreen()
+        self._tracker = CornerTracker(parameters)
+        self._filter: MotionFilter | None = None
+        self._accepted_s = -math.inf
+        self._outliers: list[tuple[float, float, float]] = []
+        self._velocities: list[LegRow] = []
+
+    @property
+    def counts(self) -> dict[Verdict, int]:
+        """How many fixes had each verdict."""
+        return dict(self.screen.counts)
+
+    @property
+    def corner(self) -> CornerEstimate | None:
+        """The predicted corner, None while none is foreseen."""
+        return self._tracker.corner
+
+    @property
+    def leg(self) -> LegEstimate | None:
+        """The leg being flown, None while there is none."""
+        return self._tracker.leg
+
+    @property
+    def withdrawn_corners(self) -> int:
+        """How many predicted corners were taken back."""
+        return self._tracker.withdrawn
+
+    def phase(self, time_s: float) -> Phase:
+        """Return the phase at ``time_s``: lost when the last usable fix is too old."""
+        if time_s - self._accepted_s > self.parameters.lost_after_s:
+            return Phase.LOST
+        return self._tracker.phase
+
+    def predict(self, time_s: float) -> MotionEstimate | None:
+        """Return the motion at ``time_s``, None before the first fix."""
+        if self._filter is None:
+            return None
+        return self._filter_at(time_s, self._accel_sigma())
+
+    def add_fix(self, fix: Fix) -> Verdict:
+        """Take a fix; return what became of it."""
+        refusal = self.screen.refusal(fix)
+        if refusal not in (None, Verdict.REPEATED):
+            return self.screen.note(fix, refusal)
+        if self.datum is None:
+            self.datum = Datum(fix.latitude_deg, fix.longitude_deg, fix.altitude_m)
+        east, north, _ = self.datum.to_local(fix.latitude_deg, fix.longitude_deg)
+        position, covariance = (east, north), self._fix_covariance(fix)
+        prediction = self.predict(fix.time_s)
+        if prediction is None or fix.time_s - self._accepted_s > self.parameters.restart_after_s:
+            if refusal is Verdict.REPEATED:
+                return self.screen.note(fix, refusal)
+            self._restart(fix.time_s, position, covariance)
+            return self.screen.note(fix, Verdict.ACCEPTED)
+        if refusal is Verdict.REPEATED and not self._stands(prediction, position, covariance):
+            return self.screen.note(fix, refusal)
+        accel_sigma = self._accel_sigma()
+        surprise = normalised_innovation(prediction, position, covariance)
+        gap_s = fix.time_s - self._accepted_s
+        if surprise > SURPRISE_CHI2 or gap_s > self.parameters.lost_after_s:
+            accel_sigma = self.parameters.turn_accel_sigma_mps2
+            wide = self._filter_at(fix.time_s, accel_sigma)
+            surprise = normalised_innovation(wide, position, covariance)
+        if surprise > self.parameters.gate_chi2:
+            return self.screen.note(fix, self._outlier(fix.time_s, position, covariance))
+        self._accept(fix.time_s, position, covariance, accel_sigma)
+        return self.screen.note(fix, Verdict.ACCEPTED)
+
+    def add_velocity(
+        self, time_s: float, vx_mps: float, vy_mps: float, sigma_mps: float
+    ) -> bool:
+        """Take a Doppler velocity, not older than the newest fix; return whether it was used."""
+        values = (time_s, vx_mps, vy_mps, sigma_mps)
+        usable = all(math.isfinite(value) for value in values) and sigma_mps > 0.0
+        if not usable or self._filter is None or time_s < self._filter.time_s - 1e-6:
+            return False
+        prediction = self._filter_at(time_s, self._accel_sigma()).motion
+        error = math.hypot(vx_mps - prediction.vx_mps, vy_mps - prediction.vy_mps)
+        if math.hypot(vx_mps, vy_mps) > TOP_SPEED_MPS or (
+            self._tracker.leg is not None and error > 0.75 * max(prediction.speed_mps, 10.0)
+        ):
+            return False
+        sigma = math.hypot(sigma_mps, self.parameters.speed_noise_mps)
+        self._filter.advance(time_s, self._accel_sigma())
+        self._filter.update_velocity((vx_mps, vy_mps), sigma)
+        self._velocities.append(LegRow(time_s, vx_mps, vy_mps, sigma, is_velocity=True))
+        return True
+
+    def restart_clock(self) -> None:
+        """Begin again after time was set back: nothing is carried over but what was learnt."""
+        self.screen.forget()
+        self._filter = None
+        self._accepted_s = -math.inf
+        self._outliers.clear()
+        self._velocities.clear()
+        self._tracker.restart()
+
+    def _accel_sigma(self) -> float:
+        if self._tracker.manoeuvring or self._tracker.leg is None:
+            return self.parameters.turn_accel_sigma_mps2
+        return self.parameters.cruise_accel_sigma_mps2
+
+    def _fix_covariance(self, fix: Fix) -> FloatArray:
+        floor = self.parameters.min_fix_sigma_m**2
+        given = fix.covariance_m2
+        if given is not None and np.all(np.isfinite(given)) and np.trace(given) > 0.0:
+            values, axes = np.linalg.eigh(0.5 * (given + given.T))
+            return np.asarray((axes * np.maximum(values, floor)) @ axes.T)
+        return np.eye(2) * max(floor, self.parameters.default_fix_sigma_m**2)
+
+    def _stands(
+        self, prediction: MotionEstimate, position: tuple[float, float], covariance: FloatArray
+    ) -> bool:
+        """Whether a repeated position is believable: the helicopter has hardly moved since."""
+        moved = math.hypot(
+            prediction.motion.x_m - position[0], prediction.motion.y_m - position[1]
+        )
+        sigma = math.sqrt(float(np.trace(covariance)) / 2.0)
+        return moved <= max(1.5, min(sigma, 3.0)) and prediction.motion.speed_mps < 3.0
+
+    def _filter_at(self, time_s: float, accel_sigma_mps2: float) -> MotionEstimate:
+        assert self._filter is not None
+        return self._filter.predicted(time_s, accel_sigma_mps2)
+
+    def _accept(
+        self,
+        time_s: float,
+        position: tuple[float, float],
+        covariance: FloatArray,
+        accel_sigma_mps2: float,
+    ) -> None:
+        assert self._filter is not None
+        self._outliers.clear()
+        self._filter.advance(time_s, accel_sigma_mps2)
+        self._filter.update_position(position, covariance)
+        self._accepted_s = time_s
+        sigma = math.sqrt(float(np.trace(covariance)) / 2.0)
+        row = LegRow(time_s, position[0], position[1], sigma, is_velocity=False)
+        motion = self._filter_at(time_s, accel_sigma_mps2).motion
+        self._tracker.update([*self._velocities, row], motion)
+        self._velocities.clear()
+
+    def _outlier(
+        self, time_s: float, position: tuple[float, float], covariance: FloatArray
+    ) -> Verdict:
+        """Refuse a fix outside the gate, unless the last few agree that the aircraft is there."""
+        self._outliers.append((time_s, *position))
+        if len(self._outliers) < self.parameters.jump_after:
+            return Verdict.OUTLIER
+        recent = self._outliers[-self.parameters.jump_after :]
+        sigma = math.sqrt(float(np.trace(covariance)))
+        for (t0, x0, y0), (t1, x1, y1) in zip(recent, recent[1:], strict=False):
+            if math.hypot(x1 - x0, y1 - y0) > TOP_SPEED_MPS * (t1 - t0) + 3.0 * sigma:
+                return Verdict.OUTLIER
+        self._restart(time_s, position, covariance)
+        return Verdict.JUMP
+
+    def _restart(
+        self, time_s: float, position: tuple[float, float], covariance: FloatArray
+    ) -> None:
+        self._filter = MotionFilter(
+            time_s,
+            position,
+            covariance,
+            tau_s=self.parameters.accel_tau_s,
+            speed_sigma_mps=UNKNOWN_SPEED_SIGMA_MPS,
+        )
+        self._accepted_s = time_s
+        self._outliers.clear()
+        self._velocities.clear()
+        self._tracker.restart()

@@ -1,0 +1,92 @@
+"""``filter_track``: the helicopter's filter over a recorded track, offline."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import math
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+from sar_estimator.estimator import HelicopterEstimator
+from sar_estimator.fixes import Fix
+from sar_estimator.geodesy import Datum
+from sar_estimator.parameters import EstimatorParameters
+from sar_estimator.track_csv import read_track
+
+COLUMNS = (
+    "time_s",
+    "x_m",
+    "y_m",
+    "vx_mps",
+    "vy_mps",
+    "ax_mps2",
+    "ay_mps2",
+    "phase",
+    "next_x_m",
+    "next_y_m",
+)
+
+
+def filter_fixes(
+    fixes: list[Fix], estimator: HelicopterEstimator
+) -> list[tuple[float | str, ...]]:
+    """Filter a track; one row of ``COLUMNS`` per fix, with NaN where nothing is known yet."""
+    rows: list[tuple[float | str, ...]] = []
+    for i, fix in enumerate(fixes):
+        estimator.add_fix(fix)
+        now = estimator.predict(fix.time_s) if math.isfinite(fix.time_s) else None
+        if now is None:
+            rows.append((fix.time_s, *([math.nan] * 6), "lost", math.nan, math.nan))
+            continue
+        later = fixes[min(i + 1, len(fixes) - 1)].time_s
+        ahead = estimator.predict(later) if math.isfinite(later) else None
+        m, n = now.motion, (ahead or now).motion
+        phase = str(estimator.phase(fix.time_s))
+        rows.append(
+            (
+                *(fix.time_s, m.x_m, m.y_m, m.vx_mps, m.vy_mps, m.ax_mps2, m.ay_mps2),
+                *(phase, n.x_m, n.y_m),
+            )
+        )
+    return rows
+
+
+def _cell(value: float | str) -> str:
+    if isinstance(value, str):
+        return value
+    return "" if math.isnan(value) else f"{value:.6f}"
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command; 2 on bad input."""
+    parser = argparse.ArgumentParser(prog="filter_track", description=__doc__)
+    parser.add_argument("track", type=Path, help="CSV: time_s, latitude_deg, longitude_deg, ...")
+    parser.add_argument("--out", type=Path, required=True, help="CSV to write")
+    parser.add_argument("--sigma", type=float, help="standard deviation of the fixes [m]")
+    parser.add_argument(
+        "--datum", type=float, nargs=2, metavar=("LAT", "LON"), help="map origin [deg]"
+    )
+    args = parser.parse_args(argv)
+    try:
+        parameters = EstimatorParameters()
+        if args.sigma is not None:
+            parameters = replace(parameters, default_fix_sigma_m=args.sigma)
+        datum = Datum(*args.datum) if args.datum else None
+        estimator = HelicopterEstimator(parameters, datum)
+        rows = filter_fixes(read_track(args.track), estimator)
+        with args.out.open("w", newline="", encoding="utf-8") as stream:
+            writer = csv.writer(stream)
+            writer.writerow(COLUMNS)
+            writer.writerows([_cell(value) for value in row] for row in rows)
+    except (OSError, ValueError) as error:
+        sys.stderr.write(f"filter_track: {error}\n")
+        return 2
+    used = ", ".join(f"{count} {name}" for name, count in estimator.counts.items() if count)
+    sys.stdout.write(f"{args.out}: {len(rows)} rows ({used})\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,79 @@
+"""GPS fixes, and which of them may reach the filter."""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass, field
+
+from sar_estimator.geodesy import valid_position
+from sar_estimator.states import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """One GPS fix. ``covariance_m2``: east-north, shape (2, 2), None when the receiver has none."""
+
+    time_s: float
+    latitude_deg: float
+    longitude_deg: float
+    altitude_m: float = 0.0
+    covariance_m2: FloatArray | None = None
+    has_fix: bool = True
+
+
+class Verdict(enum.StrEnum):
+    """What became of a fix. Only ``ACCEPTED`` and ``JUMP`` moved the estimate."""
+
+    ACCEPTED = "accepted"
+    JUMP = "jump"
+    NO_FIX = "no_fix"
+    NOT_FINITE = "not_finite"
+    OUT_OF_ORDER = "out_of_order"
+    DUPLICATE = "duplicate"
+    REPEATED = "repeated_position"
+    OUTLIER = "outlier"
+
+    @property
+    def moved(self) -> bool:
+        """Whether the fix was used."""
+        return self in (Verdict.ACCEPTED, Verdict.JUMP)
+
+
+@dataclass
+class FixScreen:
+    """Refuses fixes that carry no new position, and counts every verdict."""
+
+    counts: dict[Verdict, int] = field(
+        default_factory=lambda: dict.fromkeys(Verdict, 0), init=False
+    )
+    _last_time_s: float = field(default=-math.inf, init=False)
+    _last_position: tuple[float, float] | None = field(default=None, init=False)
+
+    def refusal(self, fix: Fix) -> Verdict | None:
+        """Return why a fix cannot be used, None when it can; repeats are only reported."""
+        if not fix.has_fix:
+            return Verdict.NO_FIX
+        if not (
+            math.isfinite(fix.time_s) and valid_position(fix.latitude_deg, fix.longitude_deg)
+        ):
+            return Verdict.NOT_FINITE
+        if fix.time_s < self._last_time_s:
+            return Verdict.OUT_OF_ORDER
+        if fix.time_s == self._last_time_s:
+            return Verdict.DUPLICATE
+        if (fix.latitude_deg, fix.longitude_deg) == self._last_position:
+            return Verdict.REPEATED
+        return None
+
+    def note(self, fix: Fix, verdict: Verdict) -> Verdict:
+        """Count a verdict, remember the fix it was given for, and return it."""
+        self.counts[verdict] += 1
+        if verdict.moved or verdict in (Verdict.REPEATED, Verdict.OUTLIER):
+            self._last_time_s = fix.time_s
+            self._last_position = (fix.latitude_deg, fix.longitude_deg)
+        return verdict
+
+    def forget(self) -> None:
+        """Accept any time again (the clock was set back)."""
+        self._last_time_s, self._last_position = -math.inf, None

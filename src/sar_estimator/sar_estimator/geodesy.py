@@ -1,0 +1,56 @@
+"""Geographic positions to and from the local east-north-up frame ``map``, by pymap3d (WGS 84)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import pymap3d
+
+
+@dataclass(frozen=True, slots=True)
+class Datum:
+    """The origin of the map frame.
+
+    Raises ``ValueError`` for a latitude or longitude [deg] out of range or not finite.
+    """
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude_m: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the ranges."""
+        if not valid_position(self.latitude_deg, self.longitude_deg):
+            raise ValueError(
+                f"datum {self.latitude_deg}, {self.longitude_deg}: "
+                "expected latitude in -90...90 and longitude in -180...180 degrees"
+            )
+        if not math.isfinite(self.altitude_m):
+            raise ValueError(f"datum altitude_m {self.altitude_m}: expected a finite number")
+
+    def to_local(
+        self, latitude_deg: float, longitude_deg: float, altitude_m: float | None = None
+    ) -> tuple[float, float, float]:
+        """Return east, north, up [m]; without an altitude the datum's is taken."""
+        east, north, up = pymap3d.geodetic2enu(
+            latitude_deg,
+            longitude_deg,
+            self.altitude_m if altitude_m is None else altitude_m,
+            self.latitude_deg,
+            self.longitude_deg,
+            self.altitude_m,
+        )
+        return float(east), float(north), float(up)
+
+    def to_geodetic(self, x_m: float, y_m: float, z_m: float = 0.0) -> tuple[float, float, float]:
+        """Return latitude [deg], longitude [deg], altitude [m] of a map position."""
+        latitude, longitude, altitude = pymap3d.enu2geodetic(
+            x_m, y_m, z_m, self.latitude_deg, self.longitude_deg, self.altitude_m
+        )
+        return float(latitude), float(longitude), float(altitude)
+
+
+def valid_position(latitude_deg: float, longitude_deg: float) -> bool:
+    """Whether latitude and longitude [deg] are finite and in range."""
+    return abs(latitude_deg) <= 90.0 and abs(longitude_deg) <= 180.0

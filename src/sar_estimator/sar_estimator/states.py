@@ -1,0 +1,107 @@
+"""What the estimator knows of an aircraft, as plain values in the map frame (x east, y north)."""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sar_estimator.plane import Pose
+
+FloatArray = NDArray[np.float64]
+
+
+class Phase(enum.StrEnum):
+    """What the helicopter is doing."""
+
+    CRUISE = "cruise"
+    DECELERATING = "decelerating"
+    STOPPED = "stopped"
+    ACCELERATING = "accelerating"
+    LOST = "lost"
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Position [m], velocity [m/s] and acceleration [m/s^2] of an aircraft at ``time_s``."""
+
+    time_s: float
+    x_m: float
+    y_m: float
+    vx_mps: float
+    vy_mps: float
+    ax_mps2: float = 0.0
+    ay_mps2: float = 0.0
+
+    @property
+    def speed_mps(self) -> float:
+        """Ground speed [m/s]."""
+        return math.hypot(self.vx_mps, self.vy_mps)
+
+    @property
+    def course_rad(self) -> float:
+        """Direction of motion over ground [rad]; 0 when at rest."""
+        return math.atan2(self.vy_mps, self.vx_mps)
+
+    @property
+    def pose(self) -> Pose:
+        """Position and course."""
+        return Pose(self.x_m, self.y_m, self.course_rad)
+
+    def is_finite(self) -> bool:
+        """Whether no component is NaN or infinite."""
+        return all(
+            math.isfinite(value)
+            for value in (self.time_s, self.x_m, self.y_m, self.vx_mps, self.vy_mps)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class MotionEstimate:
+    """A motion and its covariance, shape (6, 6), in the order x, vx, ax, y, vy, ay."""
+
+    motion: Motion
+    covariance: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class LegEstimate:
+    """The straight leg being flown: the helicopter's foot on it, its heading and cruise speed."""
+
+    time_s: float
+    foot: Pose
+    speed_mps: float
+    position_sigma_m: float
+    heading_sigma_rad: float
+    speed_sigma_mps: float
+
+
+@dataclass(frozen=True, slots=True)
+class CornerEstimate:
+    """Where, when and how the helicopter will have stopped for a corner.
+
+    ``stop`` carries the incoming heading. ``covariance`` is that of the stop point, shape (2, 2),
+    in the map frame [m^2].
+    """
+
+    time_s: float
+    stop: Pose
+    stop_time_s: float
+    speed_mps: float
+    accel_mps2: float
+    covariance: FloatArray
+    heading_sigma_rad: float
+    stop_time_sigma_s: float
+
+    @property
+    def stopping_distance_m(self) -> float:
+        """s = V^2 / 2a [m]."""
+        return self.speed_mps**2 / (2.0 * self.accel_mps2)
+
+    @property
+    def onset_time_s(self) -> float:
+        """When the deceleration began [s]."""
+        return self.stop_time_s - self.speed_mps / self.accel_mps2

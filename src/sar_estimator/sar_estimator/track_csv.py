@@ -1,0 +1,43 @@
+"""Tracks as CSV: time_s, latitude_deg, longitude_deg and optionally altitude_m."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from sar_estimator.fixes import Fix
+
+REQUIRED = ("time_s", "latitude_deg", "longitude_deg")
+
+
+def read_track(path: Path) -> list[Fix]:
+    """Read every row as a fix; empty cells become NaN, so that no row is lost.
+
+    Raises ``ValueError`` naming file, line and column for a missing column or a cell that is not a
+    number, and for a file without rows.
+    """
+    fixes = []
+    with path.open(newline="", encoding="utf-8") as stream:
+        reader = csv.DictReader(stream)
+        names = reader.fieldnames or []
+        missing = [name for name in REQUIRED if name not in names]
+        if missing:
+            raise ValueError(f"{path}: no column {missing[0]}: expected {', '.join(REQUIRED)}")
+        for row in reader:
+            time, latitude, longitude = (
+                _number(path, reader.line_num, name, row[name]) for name in REQUIRED
+            )
+            altitude = _number(path, reader.line_num, "altitude_m", row.get("altitude_m") or "0")
+            fixes.append(Fix(time, latitude, longitude, altitude))
+    if not fixes:
+        raise ValueError(f"{path}: no rows: expected at least one fix")
+    return fixes
+
+
+def _number(path: Path, line: int, name: str, text: str | None) -> float:
+    if text is None or not text.strip():
+        return float("nan")
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError(f"{path}:{line}: {name} = {text!r}: expected a number") from None

@@ -1,0 +1,1 @@
+"""Mode-switching corner planner for UAV-assisted expanding-square search."""

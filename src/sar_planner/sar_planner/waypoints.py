@@ -1,0 +1,41 @@
+"""Flight paths as lists of waypoints for an autopilot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sar_planner.geometry import Arc, FlightPath, FloatArray
+
+
+def arc_offsets(arc: Arc, spacing_m: float) -> tuple[int, float]:
+    """Return how many chords an arc is cut into and the radius [m] its waypoints stand on.
+
+    A polygon with its corners on the circle is flown inside it. With chords of angle D, corners at
+    radius R / (1 - D^2 / 12) put the polygon's mean radius, and so a smooth flight along it, on R.
+    """
+    chords = max(1, math.ceil(arc.length_m / spacing_m - 1e-9))
+    chord_rad = abs(arc.turn_rad) / chords
+    return chords, arc.radius_m / (1.0 - chord_rad**2 / 12.0)
+
+
+def path_waypoints(path: FlightPath, spacing_m: float, *, from_m: float = 0.0) -> FloatArray:
+    """Return waypoints, shape (n, 2) [m], along a path.
+
+    The ends of every segment, and points on its arcs no further apart than ``spacing_m`` (0: only
+    the ends, as in the paper). Points closer to the start than ``from_m`` [m] are left out.
+    """
+    kept: list[FloatArray] = []
+    begun = 0.0
+    for start, end, segment in zip(path.joints, path.joints[1:], path.segments, strict=False):
+        if isinstance(segment, Arc) and spacing_m > 0.0:
+            chords, radius = arc_offsets(segment, spacing_m)
+            angles = np.arange(1, chords) / chords * segment.length_m
+            centre = np.array(segment.centre(start))
+            inner = centre + (segment.points(start, angles) - centre) * radius / segment.radius_m
+            kept += [point for point, at in zip(inner, angles, strict=True) if begun + at > from_m]
+        begun += segment.length_m
+        if begun > from_m:
+            kept.append(np.array((end.x_m, end.y_m)))
+    return np.array(kept).reshape(-1, 2)

@@ -1,0 +1,1 @@
+"""Simulation, recording, playback and reports."""

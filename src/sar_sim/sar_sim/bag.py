@@ -1,0 +1,81 @@
+"""Bags: standard rosbag2 MCAP, written and read with rosbags."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from rosbags.highlevel import AnyReader
+from rosbags.interfaces import Connection, Qos, QosDurability, QosHistory, QosLiveliness
+from rosbags.interfaces import QosReliability, QosTime
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+
+TYPESTORE = get_typestore(Stores.ROS2_JAZZY)
+UNLIMITED = QosTime(sec=9223372036, nsec=854775807)
+
+
+def _qos(*, latched: bool) -> Qos:
+    return Qos(
+        QosHistory.KEEP_LAST,
+        1 if latched else 10,
+        QosReliability.RELIABLE,
+        QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
+        UNLIMITED,
+        UNLIMITED,
+        QosLiveliness.AUTOMATIC,
+        UNLIMITED,
+        avoid_ros_namespace_conventions=False,
+    )
+
+
+class BagWriter:
+    """Writes serialised messages to a new bag folder."""
+
+    def __init__(self, folder: Path) -> None:
+        """Create the bag. Raises ``WriterError`` when the folder is there already."""
+        self.folder = folder
+        self._writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
+        self._writer.open()
+        self._connections: dict[str, Connection] = {}
+        self.messages = 0
+
+    def write(
+        self, topic: str, kind: str, data: bytes, time_s: float, *, latched: bool = False
+    ) -> None:
+        """Append a message of type ``kind`` (``pkg/msg/Name``) at ``time_s`` [s]."""
+        if topic not in self._connections:
+            self._connections[topic] = self._writer.add_connection(
+                topic, kind, typestore=TYPESTORE, offered_qos_profiles=[_qos(latched=latched)]
+            )
+        self._writer.write(self._connections[topic], round(time_s * 1e9), data)
+        self.messages += 1
+
+    def close(self) -> None:
+        """Finish the bag."""
+        self._writer.close()
+
+
+def known_type(kind: str) -> bool:
+    """Whether a message type can be recorded."""
+    return kind in TYPESTORE.types
+
+
+def open_bag(path: Path) -> AnyReader:
+    """Return a reader of a bag folder, to be used as a context manager."""
+    return AnyReader([path], default_typestore=TYPESTORE)
+
+
+def read_messages(path: Path, topics: set[str] | None = None) -> Iterator[tuple[str, float, Any]]:
+    """Yield (topic, time [s], message) in the order of the bag, of all or the named topics."""
+    with open_bag(path) as reader:
+        chosen = [c for c in reader.connections if topics is None or c.topic in topics]
+        if not chosen:
+            return
+        for connection, timestamp, raw in reader.messages(connections=chosen):
+            yield (
+                connection.topic,
+                timestamp * 1e-9,
+                reader.deserialize(raw, connection.msgtype),
+            )

@@ -1,0 +1,234 @@
+"""A mission flown offline: the modules that fly, in lockstep, without DDS and without sockets."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from rclpy.serialization import serialize_message
+from sar_bridge.mission_items import first_ahead, waypoint_items
+from sar_estimator import topics
+from sar_estimator.estimator import HelicopterEstimator
+from sar_estimator.fixes import Fix
+from sar_estimator.messages import (
+    datum_message,
+    fix_outputs,
+    fix_to_message,
+    motion_to_odometry,
+    prediction_outputs,
+    text_message,
+    velocity_message,
+)
+from sar_estimator.parameters import EstimatorParameters
+from sar_planner.messages import (
+    decision_outputs,
+    mission_message,
+    planner_diagnostics,
+    status_outputs,
+)
+from sar_planner.mission import MissionParameters, MissionPlanner, Mode, WaypointList
+
+from sar_sim.autopilot import FlightMode
+from sar_sim.bag import BagWriter
+from sar_sim.gps import Reception
+from sar_sim.helicopter import CornerTruth
+from sar_sim.scenario import Scenario
+from sar_sim.truth import TrueEstimates
+from sar_sim.world import World
+
+STEPS_PER_TICK = 2
+TICKS_PER_STATUS = 10
+LATCHED = {topics.DATUM, topics.WAYPOINTS, topics.PHASE, topics.MODE, topics.MISSION}
+
+
+def message_kind(message: Any) -> str:
+    """Return a message's type as ``pkg/msg/Name``."""
+    package = type(message).__module__.split(".")[0]
+    return f"{package}/msg/{type(message).__name__}"
+
+
+def corner_truth_text(corner: CornerTruth) -> str:
+    """Return a true corner as JSON."""
+    values = asdict(corner)
+    for key in ("onset", "stop"):
+        pose = values[key]
+        values[key] = [pose["x_m"], pose["y_m"], pose["heading_rad"]]
+    return json.dumps(values)
+
+
+def mission_parameters(scenario: Scenario, *, rules: str) -> MissionParameters:
+    """Return the planner's parameters that a scenario prescribes."""
+    return MissionParameters(
+        turn_side=scenario.pattern.turn_side, rules=rules, arc_spacing_m=scenario.arc_spacing_m
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """What is told while flying."""
+
+    time_s: float
+    end_s: float
+    corner: int
+    rule: str
+    lag_m: float | None
+    separation_m: float | None
+
+
+class OfflineFlight:
+    """One mission. ``truth`` replaces the estimator by the helicopter's true state."""
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        *,
+        rules: str = "paper",
+        truth: bool = False,
+        track: list[Fix] | None = None,
+        estimator_parameters: EstimatorParameters | None = None,
+        bag: BagWriter | None = None,
+    ) -> None:
+        """Set everything up. Raises ``ValueError`` for a mission that cannot be flown."""
+        self.world = World(scenario, track)
+        self._bag = bag
+        self._truth: TrueEstimates | None = None
+        self.estimator = HelicopterEstimator(
+            estimator_parameters or EstimatorParameters(), self.world.datum
+        )
+        mission = mission_parameters(scenario, rules=rules)
+        if truth:
+            if self.world.helicopter is None:
+                raise ValueError("truth: expected a simulated helicopter, not a recorded track")
+            self._truth = TrueEstimates(self.world.helicopter, self.world.datum)
+            mission = replace(mission, reaction_s=0.0)
+        self.planner = MissionPlanner(scenario.corner, mission)
+        self._corners = list(self.world.corners)
+        self._steps = 0
+        self._phase = ""
+
+    @property
+    def now_s(self) -> float:
+        """The mission's clock [s]."""
+        return self.world.epoch_s + self.world.time_s
+
+    def run(self, progress: Callable[[Progress], None] | None = None) -> None:
+        """Fly to the end; ``progress`` is told once a simulated second."""
+        self._write(topics.DATUM, datum_message(self.world.datum, self.now_s))
+        self._write(topics.MISSION, mission_message(self.planner))
+        while not self.world.finished:
+            self._step()
+            if progress is not None and self._steps % (STEPS_PER_TICK * TICKS_PER_STATUS) == 0:
+                progress(self.progress())
+
+    def progress(self) -> Progress:
+        """Return how far the mission is."""
+        return Progress(
+            self.world.time_s,
+            self.world.end_s,
+            self.planner.corners_seen,
+            self.planner.rule,
+            self.planner.lag_m(),
+            self.planner.separation_m(),
+        )
+
+    def _write(self, topic: str, message: Any) -> None:
+        if self._bag is not None:
+            self._bag.write(
+                topic,
+                message_kind(message),
+                serialize_message(message),
+                self.now_s,
+                latched=topic in LATCHED,
+            )
+
+    def _step(self) -> None:
+        receptions = self.world.step()
+        self._steps += 1
+        while self._corners and self._corners[0].onset_time_s <= self.world.time_s:
+            truth = text_message(corner_truth_text(self._corners.pop(0)))
+            self._write(topics.TRUE_CORNER, truth)
+        for reception in receptions:
+            self._receive(reception)
+        if self._truth is not None:
+            self._truth.time_s = self.world.time_s
+            self._know(self._truth)
+            self._plan()
+        elif receptions:
+            self._know(self.estimator)
+            self._plan()
+        if self._steps % STEPS_PER_TICK == 0:
+            self._tick()
+
+    def _receive(self, reception: Reception) -> None:
+        fix, velocity = reception.fix, reception.velocity
+        self._write(topics.FIX, fix_to_message(fix))
+        if velocity is not None:
+            message = velocity_message(fix.time_s, velocity.vx_mps, velocity.vy_mps)
+            self._write(topics.VELOCITY, message)
+            self.estimator.add_velocity(
+                fix.time_s, velocity.vx_mps, velocity.vy_mps, velocity.sigma_mps
+            )
+        self.estimator.add_fix(fix)
+        if self._truth is None:
+            for topic, output in fix_outputs(self.estimator, self.now_s):
+                self._write(topic, output)
+
+    def _know(self, source: HelicopterEstimator | TrueEstimates) -> None:
+        """Tell the planner what is known of leg, corner, phase and positions."""
+        estimate = source.predict(self.now_s)
+        if estimate is not None:
+            self.planner.set_helicopter(estimate.motion)
+        self.planner.set_uav(replace(self.world.autopilot.motion, time_s=self.now_s))
+        phase = source.phase(self.now_s)
+        if phase != self._phase:
+            self._phase = phase
+            self._write(topics.PHASE, text_message(phase))
+        self.planner.set_phase(phase)
+        if source.leg is not None:
+            self.planner.set_leg(source.leg)
+        if source.corner is not None:
+            self.planner.set_corner(source.corner)
+
+    def _tick(self) -> None:
+        source = self._truth or self.estimator
+        for topic, output in prediction_outputs(source, self.now_s):
+            self._write(topic, output)
+        self._know(source)
+        uav = replace(self.world.autopilot.motion, time_s=self.now_s)
+        yaw = self.world.autopilot.state.heading_rad
+        odometry = motion_to_odometry(uav, child="uav", yaw_rad=yaw)
+        for topic in (topics.UAV_ODOMETRY, topics.TRUE_UAV):
+            self._write(topic, odometry)
+        if self.world.helicopter is not None:
+            truth = self.world.helicopter.motion(self.world.time_s)
+            heading = self.world.helicopter.heading_rad(self.world.time_s)
+            odometry = motion_to_odometry(truth, child="helicopter", yaw_rad=heading)
+            self._write(topics.TRUE_HELICOPTER, odometry)
+        self._plan()
+        if self._steps % (STEPS_PER_TICK * TICKS_PER_STATUS) == 0:
+            for topic, status in status_outputs(self.planner):
+                self._write(topic, status)
+            self._write(topics.DIAGNOSTICS, planner_diagnostics(self.planner, self.now_s))
+
+    def _plan(self) -> None:
+        if self.planner.mode is Mode.IDLE:
+            self.planner.engage(self.now_s)
+        waypoints = self.planner.update(self.now_s)
+        for topic, decision in decision_outputs(self.planner, waypoints):
+            self._write(topic, decision)
+        if waypoints is not None:
+            self._load(waypoints)
+
+    def _load(self, waypoints: WaypointList) -> None:
+        """Hand a list to the autopilot as the bridge does, at once."""
+        autopilot = self.world.autopilot
+        ahead = first_ahead(waypoints.points, autopilot.motion)
+        autopilot.load(
+            waypoint_items(waypoints.points, self.world.datum, autopilot.altitude_m)
+        )
+        autopilot.set_current(ahead + 1)
+        autopilot.set_mode(FlightMode.AUTO)
+
+

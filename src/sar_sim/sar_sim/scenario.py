@@ -1,0 +1,199 @@
+"""Scenarios: everything a simulated mission is made of, from YAML, checked strictly."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from pathlib import Path
+from typing import Any, get_type_hints
+
+import yaml
+from sar_estimator.geodesy import Datum
+from sar_planner.parameters import CornerParameters
+
+
+class ScenarioError(ValueError):
+    """A scenario that cannot be flown; the message names file, key, value and expectation."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """The camera: altitude A [m], sweep beta [deg], redundancy f, footprint disc or square."""
+
+    altitude_m: float = 150.0
+    sweep_deg: float = 79.6
+    redundancy: float = 0.0
+    footprint: str = "disc"
+
+    @property
+    def radius_m(self) -> float:
+        """Half the width of the strip one aircraft sees, A tan(beta / 2) [m]."""
+        return self.altitude_m * math.tan(math.radians(self.sweep_deg) / 2.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Pattern:
+    """The expanding square: heading is a compass heading [deg]; ``turn_side`` 1 right, -1 left.
+
+    ``track_spacing_m``: between the helicopter's neighbouring parallel tracks.
+    """
+
+    first_leg_m: float = 2000.0
+    last_leg_m: float = 1500.0
+    corners: int = 8
+    heading_deg: float = 0.0
+    turn_side: int = 1
+    track_spacing_m: float = 500.0
+    start_east_m: float = 0.0
+    start_north_m: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Pilot:
+    """How the pilot departs from the model: drawn leg by leg from the seed.
+
+    ``speed_sigma_mps`` on each leg's speed, ``accel_spread`` (relative) on each corner's
+    acceleration, ``corner_sigma_m`` on where he turns, ``hover_s`` in every corner.
+    """
+
+    speed_sigma_mps: float = 0.0
+    accel_spread: float = 0.0
+    corner_sigma_m: float = 0.0
+    hover_s: float = 0.0
+    seed: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Gps:
+    """The receiver in the helicopter: white noise per axis, lost fixes, optional Doppler."""
+
+    rate_hz: float = 1.0
+    sigma_m: float = 0.0
+    dropout: float = 0.0
+    doppler_sigma_mps: float = 0.0
+    seed: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Uav:
+    """The unmanned aeroplane: where it starts and how it flies.
+
+    ``lag_m``: L(1). ``min_radius_m``: tightest turn at cruise speed. ``roll_lag_s``: time constant
+    of the turn rate, 0 for none. ``lookahead_m``: of the path follower.
+    """
+
+    lag_m: float = 800.0
+    min_radius_m: float = 80.0
+    accel_limit_mps2: float = 1.0
+    roll_lag_s: float = 0.0
+    lookahead_m: float = 8.0
+    loiter_radius_m: float = 80.0
+
+
+@dataclass(frozen=True, slots=True)
+class Wind:
+    """Steady wind: speed [m/s] and the compass direction it blows from [deg]."""
+
+    speed_mps: float = 0.0
+    from_deg: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A whole mission."""
+
+    name: str = "paper"
+    datum: Datum = field(default_factory=lambda: Datum(37.8, -122.8, 0.0))
+    corner: CornerParameters = field(default_factory=CornerParameters)
+    sensor: Sensor = field(default_factory=Sensor)
+    pattern: Pattern = field(default_factory=Pattern)
+    pilot: Pilot = field(default_factory=Pilot)
+    gps: Gps = field(default_factory=Gps)
+    uav: Uav = field(default_factory=Uav)
+    wind: Wind = field(default_factory=Wind)
+    arc_spacing_m: float = 10.0
+
+    def __post_init__(self) -> None:
+        """Check every bound that the types do not."""
+        _expect("sensor.footprint", self.sensor.footprint, "disc or square",
+                ok=self.sensor.footprint in ("disc", "square"))
+        _expect("sensor.sweep_deg", self.sensor.sweep_deg, "between 0 and 180",
+                ok=0.0 < self.sensor.sweep_deg < 180.0)
+        _expect("sensor.redundancy", self.sensor.redundancy, "0 or more, less than 1",
+                ok=0.0 <= self.sensor.redundancy < 1.0)
+        _expect("pattern.turn_side", self.pattern.turn_side, "1 (right) or -1 (left)",
+                ok=self.pattern.turn_side in (1, -1))
+        _expect("pattern.corners", self.pattern.corners, "1 or more", ok=self.pattern.corners >= 1)
+        _expect("gps.rate_hz", self.gps.rate_hz, "0.5 to 10", ok=0.5 <= self.gps.rate_hz <= 10.0)
+        _expect("gps.dropout", self.gps.dropout, "0 or more, less than 1",
+                ok=0.0 <= self.gps.dropout < 1.0)
+        _expect("uav.min_radius_m", self.uav.min_radius_m, "not more than corner.turn_radius_m",
+                ok=0.0 < self.uav.min_radius_m <= self.corner.turn_radius_m)
+        for group, name in (
+            ("sensor", "altitude_m"), ("pattern", "first_leg_m"), ("pattern", "last_leg_m"),
+            ("pattern", "track_spacing_m"), ("uav", "accel_limit_mps2"), ("uav", "lookahead_m"),
+            ("uav", "loiter_radius_m"),
+        ):
+            value = getattr(getattr(self, group), name)
+            _expect(f"{group}.{name}", value, "more than 0", ok=value > 0.0)
+        for group, name in (
+            ("pilot", "speed_sigma_mps"), ("pilot", "accel_spread"), ("pilot", "corner_sigma_m"),
+            ("pilot", "hover_s"), ("gps", "sigma_m"), ("gps", "doppler_sigma_mps"),
+            ("uav", "roll_lag_s"), ("wind", "speed_mps"),
+        ):
+            value = getattr(getattr(self, group), name)
+            _expect(f"{group}.{name}", value, "0 or more", ok=value >= 0.0)
+        _expect("arc_spacing_m", self.arc_spacing_m, "0 or more", ok=self.arc_spacing_m >= 0.0)
+
+
+def _expect(key: str, value: object, expected: str, *, ok: bool) -> None:
+    if not ok:
+        raise ScenarioError(f"{key} = {value}: expected {expected}")
+
+
+def _convert(key: str, value: object, wanted: object) -> Any:
+    if isinstance(wanted, type) and is_dataclass(wanted):
+        return _build(wanted, value, key)
+    numeric = isinstance(value, int | float) and not isinstance(value, bool)
+    if wanted is str and isinstance(value, str):
+        return value
+    if wanted is int and numeric and float(value) == int(value):  # type: ignore[arg-type]
+        return int(value)  # type: ignore[call-overload]
+    if wanted not in (str, int) and numeric and math.isfinite(value):  # type: ignore[arg-type]
+        return float(value)  # type: ignore[arg-type]
+    if value is None and wanted == (float | None):
+        return None
+    names = {str: "a text", int: "a whole number"}
+    raise ScenarioError(f"{key} = {value!r}: expected {names.get(wanted, 'a number')}")  # type: ignore[call-overload]
+
+
+def _build(kind: Any, value: object, prefix: str) -> Any:
+    if not isinstance(value, dict):
+        raise ScenarioError(f"{prefix or 'scenario'} = {value!r}: expected a mapping")
+    hints = get_type_hints(kind)
+    given = {}
+    for key, item in value.items():
+        name = f"{prefix}.{key}" if prefix else str(key)
+        if key not in hints:
+            raise ScenarioError(f"{name}: unknown key, expected one of {', '.join(hints)}")
+        given[key] = _convert(name, item, hints[key])
+    for item in fields(kind):
+        absent = item.name not in given
+        if absent and item.default is MISSING and item.default_factory is MISSING:
+            raise ScenarioError(f"{prefix}.{item.name}: missing")
+    return kind(**given)
+
+
+def load_scenario(path: Path) -> Scenario:
+    """Read a scenario file. Raises ``ScenarioError`` in one line."""
+    try:
+        loaded = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ScenarioError(f"{path}: {error.strerror}") from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{path}: not YAML: {' '.join(str(error).split())}") from error
+    try:
+        scenario: Scenario = _build(Scenario, {} if loaded is None else loaded, "")
+    except ValueError as error:
+        raise ScenarioError(f"{path}: {error}") from error
+    return scenario

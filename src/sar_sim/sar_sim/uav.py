@@ -1,0 +1,76 @@
+"""A kinematic aeroplane: bounded turn rate and acceleration, optional roll lag, wind."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from sar_estimator.plane import wrap_angle
+from sar_estimator.states import Motion
+
+G_MPS2 = 9.80665
+
+
+@dataclass(frozen=True, slots=True)
+class UavState:
+    """Position [m], heading [rad], airspeed [m/s] and turn rate [rad/s] at ``time_s``."""
+
+    time_s: float
+    x_m: float
+    y_m: float
+    heading_rad: float
+    airspeed_mps: float
+    turn_rate_radps: float = 0.0
+
+    @property
+    def roll_rad(self) -> float:
+        """Bank of the coordinated turn, positive to the right [rad]."""
+        return -math.atan(self.turn_rate_radps * self.airspeed_mps / G_MPS2)
+
+
+@dataclass(frozen=True, slots=True)
+class UavLimits:
+    """What the airframe can do."""
+
+    min_radius_m: float
+    accel_limit_mps2: float
+    roll_lag_s: float
+
+
+def ground_motion(state: UavState, wind_mps: tuple[float, float]) -> Motion:
+    """Return the motion over ground in a wind blowing towards ``wind_mps`` (east, north)."""
+    vx = state.airspeed_mps * math.cos(state.heading_rad) + wind_mps[0]
+    vy = state.airspeed_mps * math.sin(state.heading_rad) + wind_mps[1]
+    return Motion(state.time_s, state.x_m, state.y_m, vx, vy)
+
+
+def step(
+    state: UavState,
+    dt_s: float,
+    *,
+    turn_rate_radps: float,
+    airspeed_mps: float,
+    limits: UavLimits,
+    wind_mps: tuple[float, float] = (0.0, 0.0),
+) -> UavState:
+    """Fly ``dt_s`` [s] towards a commanded turn rate and airspeed: an exact arc in the air."""
+    top = state.airspeed_mps / limits.min_radius_m
+    wanted = max(-top, min(top, turn_rate_radps))
+    if limits.roll_lag_s > 0.0:
+        share = -math.expm1(-dt_s / limits.roll_lag_s)
+        wanted = state.turn_rate_radps + share * (wanted - state.turn_rate_radps)
+    change = limits.accel_limit_mps2 * dt_s
+    speed = state.airspeed_mps + max(-change, min(change, airspeed_mps - state.airspeed_mps))
+    run = 0.5 * (state.airspeed_mps + speed) * dt_s
+    half_turn = 0.5 * wanted * dt_s
+    chord = run * (math.sin(half_turn) / half_turn if abs(half_turn) > 1e-9 else 1.0)
+    course = state.heading_rad + half_turn
+    return replace(
+        state,
+        time_s=state.time_s + dt_s,
+        x_m=state.x_m + chord * math.cos(course) + wind_mps[0] * dt_s,
+        y_m=state.y_m + chord * math.sin(course) + wind_mps[1] * dt_s,
+        heading_rad=wrap_angle(state.heading_rad + wanted * dt_s),
+        airspeed_mps=speed,
+        turn_rate_radps=wanted,
+    )

@@ -1,0 +1,95 @@
+"""The simulated world: a helicopter (flown or recorded), its GPS receiver, and a UAV."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from sar_estimator.fixes import Fix
+from sar_estimator.geodesy import Datum
+from sar_estimator.plane import Pose
+
+from sar_sim.autopilot import SimAutopilot
+from sar_sim.gps import FixSource, Reception, RecordedTrack, SimulatedGps
+from sar_sim.helicopter import CornerTruth, PatternHelicopter
+from sar_sim.scenario import Scenario
+
+STEP_S = 0.05
+UAV_ALTITUDE_M = 150.0
+
+
+class World:
+    """Advances in steps of ``STEP_S``; time counts from 0, at ``epoch_s`` of the ROS clock.
+
+    ``helicopter`` is None where a recorded track is played.
+    """
+
+    def __init__(self, scenario: Scenario, track: list[Fix] | None = None) -> None:
+        """Set the world up; a ``track`` takes the place of the simulated helicopter."""
+        self.scenario = scenario
+        self.datum = scenario.datum
+        self.helicopter: PatternHelicopter | None = None
+        self.epoch_s = 0.0
+        self.source: FixSource
+        if track is None:
+            corner = scenario.corner
+            self.helicopter = PatternHelicopter(
+                scenario.pattern, scenario.pilot, corner.speed_mps, corner.accel_mps2
+            )
+            self.end_s = self.helicopter.end_s
+            self.source = SimulatedGps(self.helicopter, scenario.gps, self.datum)
+            leader = self.helicopter.start
+        else:
+            good = [fix for fix in track if fix.has_fix and math.isfinite(fix.time_s)]
+            if len(good) < 2:
+                raise ValueError("helicopter track: expected at least two fixes")
+            self.datum = Datum(good[0].latitude_deg, good[0].longitude_deg, good[0].altitude_m)
+            recorded = RecordedTrack(good)
+            self.source, self.epoch_s, self.end_s = recorded, recorded.start_s, recorded.end_s
+            leader = _first_heading(good, self.datum)
+        side = scenario.pattern.turn_side
+        start = leader.offset(-scenario.uav.lag_m, -side * scenario.corner.spacing_m)
+        self.autopilot = SimAutopilot(
+            start,
+            speed_mps=scenario.corner.speed_mps,
+            uav=scenario.uav,
+            wind=scenario.wind,
+            datum=self.datum,
+            altitude_m=UAV_ALTITUDE_M,
+        )
+        self._steps = 0
+
+    @property
+    def time_s(self) -> float:
+        """Time since the start [s]."""
+        return self._steps * STEP_S
+
+    @property
+    def finished(self) -> bool:
+        """Whether the helicopter's flight is over."""
+        return self.time_s >= self.end_s
+
+    @property
+    def corners(self) -> list[CornerTruth]:
+        """The corners as flown; none on a recorded track."""
+        return [] if self.helicopter is None else self.helicopter.corners
+
+    def step(self) -> list[Reception]:
+        """Advance by one step; return what the receiver gave, stamped with the ROS clock."""
+        self._steps += 1
+        self.autopilot.step(STEP_S)
+        return [
+            replace(item, fix=replace(item.fix, time_s=self._stamp(item.fix)))
+            for item in self.source.due(self.time_s)
+        ]
+
+    def _stamp(self, fix: Fix) -> float:
+        return fix.time_s + self.epoch_s if self.helicopter is not None else fix.time_s
+
+
+def _first_heading(fixes: list[Fix], datum: Datum) -> Pose:
+    for fix in fixes[1:]:
+        x, y, _ = datum.to_local(fix.latitude_deg, fix.longitude_deg)
+        if math.hypot(x, y) > 20.0:
+            return Pose(0.0, 0.0, math.atan2(y, x))
+    return Pose(0.0, 0.0, 0.0)
