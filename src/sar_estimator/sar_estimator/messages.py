@@ -270,6 +270,27 @@ def path_to_corner(path: Path) -> CornerEstimate:
     )
 
 
+def points_to_path(points: FloatArray, time_s: float) -> Path:
+    """Return points, shape (n, 2) [m], as a path; no points withdraw the list."""
+    path = Path()
+    path.header.stamp = to_stamp(time_s)
+    path.header.frame_id = FRAME
+    for x, y in points:
+        pose = PoseStamped()
+        pose.header = path.header
+        pose.pose.position.x, pose.pose.position.y = float(x), float(y)
+        pose.pose.orientation.w = 1.0
+        path.poses.append(pose)
+    return path
+
+
+def path_to_points(path: Path) -> FloatArray:
+    """Return a path's points, shape (n, 2) [m]."""
+    return np.array(
+        [(pose.pose.position.x, pose.pose.position.y) for pose in path.poses], dtype=np.float64
+    ).reshape(-1, 2)
+
+
 def message_to_fix(message: NavSatFix) -> Fix:
     """Return a NavSatFix as a fix."""
     covariance = None

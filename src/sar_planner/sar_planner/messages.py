@@ -7,17 +7,21 @@ import math
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Point, PoseStamped
+from geometry_msgs.msg import Point
 from nav_msgs.msg import Path
 from sar_estimator import topics
-from sar_estimator.messages import FRAME, diagnostics, text_message, to_stamp
+from sar_estimator.messages import (
+    FRAME,
+    diagnostics,
+    points_to_path,
+    text_message,
+    to_stamp,
+)
 from sar_estimator.states import Motion
 from std_msgs.msg import ColorRGBA, Float64, String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from sar_planner.geometry import FloatArray
 from sar_planner.mission import ActiveCorner, MissionPlanner, Mode, WaypointList
 
 COLOURS = {
@@ -33,29 +37,8 @@ def list_to_path(waypoints: WaypointList) -> Path:
     return points_to_path(waypoints.points, waypoints.time_s)
 
 
-def points_to_path(points: FloatArray, time_s: float) -> Path:
-    """Return points, shape (n, 2) [m], as a path; no points withdraw the list."""
-    path = Path()
-    path.header.stamp = to_stamp(time_s)
-    path.header.frame_id = FRAME
-    for x, y in points:
-        pose = PoseStamped()
-        pose.header = path.header
-        pose.pose.position.x, pose.pose.position.y = float(x), float(y)
-        pose.pose.orientation.w = 1.0
-        path.poses.append(pose)
-    return path
-
-
-def path_to_points(path: Path) -> FloatArray:
-    """Return a path's points, shape (n, 2) [m]."""
-    return np.array(
-        [(pose.pose.position.x, pose.pose.position.y) for pose in path.poses], dtype=np.float64
-    ).reshape(-1, 2)
-
-
-def corner_record(active: ActiveCorner) -> dict[str, Any]:
-    """Return what was decided at a corner, as plain values."""
+def corner_record(active: ActiveCorner, waypoints: WaypointList) -> dict[str, Any]:
+    """Return what was decided at a corner, and the time of the list it went out with."""
     plan, estimate = active.plan, active.estimate
     return {
         "k": active.k,
@@ -63,7 +46,7 @@ def corner_record(active: ActiveCorner) -> dict[str, Any]:
         "lag_m": plan.lag_m,
         "next_lag_m": plan.next_lag_m,
         "length_m": plan.path.length_m,
-        "committed": active.committed,
+        "list_time_s": waypoints.time_s,
         "onset_time_s": estimate.onset_time_s,
         "stop_time_s": estimate.stop_time_s,
         "estimated_at_s": estimate.time_s,
@@ -75,9 +58,9 @@ def corner_record(active: ActiveCorner) -> dict[str, Any]:
     }
 
 
-def corner_message(active: ActiveCorner) -> String:
+def corner_message(active: ActiveCorner, waypoints: WaypointList) -> String:
     """Return a corner's record as JSON."""
-    return text_message(json.dumps(corner_record(active)))
+    return text_message(json.dumps(corner_record(active, waypoints)))
 
 
 def mission_message(planner: MissionPlanner) -> String:
@@ -145,7 +128,7 @@ def decision_outputs(
     if waypoints is not None:
         found.append((topics.WAYPOINTS, list_to_path(waypoints)))
         if planner.active is not None and waypoints.mode != Mode.LEG:
-            found.append((topics.CORNER_PLAN, corner_message(planner.active)))
+            found.append((topics.CORNER_PLAN, corner_message(planner.active, waypoints)))
     return found
 
 

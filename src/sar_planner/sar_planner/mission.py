@@ -23,6 +23,7 @@ ON_TRACK_M = 60.0
 ON_HEADING_RAD = math.radians(25.0)
 LATE_FACTOR = 1.5
 MAX_WAYPOINTS = 400
+ENGAGE_MODES = ("AUTO", "GUIDED")
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +68,15 @@ class Mode(enum.StrEnum):
     IDLE = "idle"
     LEG = "leg"
     CORNER = "corner"
+
+
+@dataclass(frozen=True, slots=True)
+class UavStatus:
+    """What the autopilot says of itself: flight mode, arming, and whether it is heard."""
+
+    mode: str = ""
+    armed: bool = False
+    connected: bool = False
 
 
 @dataclass(frozen=True)
@@ -121,6 +131,8 @@ class MissionPlanner:
         self.helicopter: Motion | None = None
         self.uav: Motion | None = None
         self.phase = Phase.LOST
+        self.status = UavStatus()
+        self._in_auto = False
         self._slot: Pose | None = None
         self._listed_slot: Pose | None = None
         self._estimate: CornerEstimate | None = None
@@ -139,6 +151,16 @@ class MissionPlanner:
         """Take the UAV's newest motion."""
         if motion.is_finite():
             self.uav = motion
+
+    def set_status(self, status: UavStatus) -> None:
+        """Take the autopilot's status; a mode that somebody else chose ends the engagement."""
+        self.status = status
+        if self.mode is Mode.IDLE or not status.connected:
+            return
+        if self._in_auto and status.mode != "AUTO":
+            self.disengage()
+            self.problem = f"released: the UAV was taken to mode {status.mode}"
+        self._in_auto = status.mode == "AUTO"
 
     def set_leg(self, leg: LegEstimate) -> None:
         """Take the leg being flown: the slot track lies d to its inside."""
@@ -181,11 +203,22 @@ class MissionPlanner:
 
     def engage(self, now_s: float) -> str:
         """Begin to lead the UAV; return why not, empty when begun."""
-        reason = self.obstacle(now_s)
+        reason = self._not_flying() or self.obstacle(now_s)
         if not reason and self.mode is Mode.IDLE:
             self.mode = Mode.LEG
             self._listed_slot = None
+            self._in_auto = self.status.mode == "AUTO"
         return reason
+
+    def _not_flying(self) -> str:
+        status = self.status
+        if not status.connected:
+            return "no heartbeat from the autopilot"
+        if not status.armed:
+            return "UAV not armed: expected it in the air"
+        if status.mode not in ENGAGE_MODES:
+            return f"UAV in mode {status.mode}: expected {' or '.join(ENGAGE_MODES)}"
+        return ""
 
     def disengage(self) -> None:
         """Stop leading the UAV."""

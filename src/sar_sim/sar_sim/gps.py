@@ -38,6 +38,14 @@ class FixSource(Protocol):
         ...
 
 
+class NoReceiver:
+    """Stands where the receiver is a real one, outside the simulation."""
+
+    def due(self, time_s: float) -> list[Reception]:  # noqa: ARG002
+        """Return nothing."""
+        return []
+
+
 class SimulatedGps:
     """A receiver in a simulated helicopter."""
 

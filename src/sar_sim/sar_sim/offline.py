@@ -16,7 +16,6 @@ from sar_estimator.messages import (
     datum_message,
     fix_outputs,
     fix_to_message,
-    motion_to_odometry,
     prediction_outputs,
     text_message,
     velocity_message,
@@ -28,19 +27,26 @@ from sar_planner.messages import (
     planner_diagnostics,
     status_outputs,
 )
-from sar_planner.mission import MissionParameters, MissionPlanner, Mode, WaypointList
+from sar_planner.mission import MissionParameters, MissionPlanner, Mode, UavStatus, WaypointList
 
 from sar_sim.autopilot import FlightMode
 from sar_sim.bag import BagWriter
 from sar_sim.gps import Reception
 from sar_sim.helicopter import CornerTruth
-from sar_sim.scenario import Scenario
+from sar_sim.scenario import Scenario, scenario_document
 from sar_sim.truth import TrueEstimates
 from sar_sim.world import World
 
 STEPS_PER_TICK = 2
 TICKS_PER_STATUS = 10
-LATCHED = {topics.DATUM, topics.WAYPOINTS, topics.PHASE, topics.MODE, topics.MISSION}
+LATCHED = {
+    topics.DATUM,
+    topics.WAYPOINTS,
+    topics.PHASE,
+    topics.MODE,
+    topics.MISSION,
+    topics.SCENARIO,
+}
 
 
 def message_kind(message: Any) -> str:
@@ -56,6 +62,11 @@ def corner_truth_text(corner: CornerTruth) -> str:
         pose = values[key]
         values[key] = [pose["x_m"], pose["y_m"], pose["heading_rad"]]
     return json.dumps(values)
+
+
+def scenario_text(scenario: Scenario) -> str:
+    """Return a scenario as JSON."""
+    return json.dumps(scenario_document(scenario))
 
 
 def mission_parameters(scenario: Scenario, *, rules: str) -> MissionParameters:
@@ -117,6 +128,7 @@ class OfflineFlight:
         """Fly to the end; ``progress`` is told once a simulated second."""
         self._write(topics.DATUM, datum_message(self.world.datum, self.now_s))
         self._write(topics.MISSION, mission_message(self.planner))
+        self._write(topics.SCENARIO, text_message(scenario_text(self.world.scenario)))
         while not self.world.finished:
             self._step()
             if progress is not None and self._steps % (STEPS_PER_TICK * TICKS_PER_STATUS) == 0:
@@ -196,16 +208,10 @@ class OfflineFlight:
         for topic, output in prediction_outputs(source, self.now_s):
             self._write(topic, output)
         self._know(source)
-        uav = replace(self.world.autopilot.motion, time_s=self.now_s)
-        yaw = self.world.autopilot.state.heading_rad
-        odometry = motion_to_odometry(uav, child="uav", yaw_rad=yaw)
-        for topic in (topics.UAV_ODOMETRY, topics.TRUE_UAV):
+        for topic, odometry in self.world.truth(self.now_s):
             self._write(topic, odometry)
-        if self.world.helicopter is not None:
-            truth = self.world.helicopter.motion(self.world.time_s)
-            heading = self.world.helicopter.heading_rad(self.world.time_s)
-            odometry = motion_to_odometry(truth, child="helicopter", yaw_rad=heading)
-            self._write(topics.TRUE_HELICOPTER, odometry)
+            if topic == topics.TRUE_UAV:
+                self._write(topics.UAV_ODOMETRY, odometry)
         self._plan()
         if self._steps % (STEPS_PER_TICK * TICKS_PER_STATUS) == 0:
             for topic, status in status_outputs(self.planner):
@@ -213,6 +219,8 @@ class OfflineFlight:
             self._write(topics.DIAGNOSTICS, planner_diagnostics(self.planner, self.now_s))
 
     def _plan(self) -> None:
+        autopilot = self.world.autopilot
+        self.planner.set_status(UavStatus(autopilot.mode.name, armed=True, connected=True))
         if self.planner.mode is Mode.IDLE:
             self.planner.engage(self.now_s)
         waypoints = self.planner.update(self.now_s)

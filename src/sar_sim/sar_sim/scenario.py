@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from dataclasses import MISSING, asdict, dataclass, field, fields, is_dataclass
 from pathlib import Path
 from typing import Any, get_type_hints
 
@@ -197,3 +197,8 @@ def load_scenario(path: Path) -> Scenario:
     except ValueError as error:
         raise ScenarioError(f"{path}: {error}") from error
     return scenario
+
+
+def scenario_document(scenario: Scenario) -> dict[str, Any]:
+    """Return a scenario as plain values, such that ``load_scenario`` reads it back the same."""
+    return asdict(scenario)

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from nav_msgs.msg import Odometry
+from sar_estimator import topics
 from sar_estimator.fixes import Fix
 from sar_estimator.geodesy import Datum
+from sar_estimator.messages import motion_to_odometry
 from sar_estimator.plane import Pose
 
 from sar_sim.autopilot import SimAutopilot
-from sar_sim.gps import FixSource, Reception, RecordedTrack, SimulatedGps
+from sar_sim.gps import FixSource, NoReceiver, Reception, RecordedTrack, SimulatedGps
 from sar_sim.helicopter import CornerTruth, PatternHelicopter
 from sar_sim.scenario import Scenario
 
@@ -24,14 +27,27 @@ class World:
     ``helicopter`` is None where a recorded track is played.
     """
 
-    def __init__(self, scenario: Scenario, track: list[Fix] | None = None) -> None:
-        """Set the world up; a ``track`` takes the place of the simulated helicopter."""
+    def __init__(
+        self,
+        scenario: Scenario,
+        track: list[Fix] | None = None,
+        *,
+        live: tuple[Datum, Pose] | None = None,
+    ) -> None:
+        """Set the world up.
+
+        A ``track`` takes the place of the simulated helicopter. With ``live``, the map's origin and
+        the present pose of a real helicopter, there is only the UAV, and no end.
+        """
         self.scenario = scenario
         self.datum = scenario.datum
         self.helicopter: PatternHelicopter | None = None
         self.epoch_s = 0.0
         self.source: FixSource
-        if track is None:
+        if live is not None:
+            self.datum, leader = live
+            self.source, self.end_s = NoReceiver(), math.inf
+        elif track is None:
             corner = scenario.corner
             self.helicopter = PatternHelicopter(
                 scenario.pattern, scenario.pilot, corner.speed_mps, corner.accel_mps2
@@ -85,6 +101,18 @@ class World:
 
     def _stamp(self, fix: Fix) -> float:
         return fix.time_s + self.epoch_s if self.helicopter is not None else fix.time_s
+
+    def truth(self, ros_time_s: float) -> list[tuple[str, Odometry]]:
+        """Return the true motions as topics and messages."""
+        uav = replace(self.autopilot.motion, time_s=ros_time_s)
+        yaw = self.autopilot.state.heading_rad
+        found = [(topics.TRUE_UAV, motion_to_odometry(uav, child="uav", yaw_rad=yaw))]
+        if self.helicopter is not None:
+            motion = replace(self.helicopter.motion(self.time_s), time_s=ros_time_s)
+            yaw = self.helicopter.heading_rad(self.time_s)
+            message = motion_to_odometry(motion, child="helicopter", yaw_rad=yaw)
+            found.append((topics.TRUE_HELICOPTER, message))
+        return found
 
 
 def _first_heading(fixes: list[Fix], datum: Datum) -> Pose:

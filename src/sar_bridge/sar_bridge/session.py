@@ -1,0 +1,233 @@
+"""A session with one autopilot: telemetry in, waypoint lists and few commands out. Pure.
+
+It never arms, never takes off, and changes the mode only from GUIDED to AUTO, once an operator has
+engaged, and to RTL when an operator asks for it. Times are of a monotonic clock [s].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+from sar_estimator.geodesy import Datum
+
+from sar_bridge.autopilot_state import AutopilotState
+from sar_bridge.commands import Command, CommandQueue
+from sar_bridge.mission_items import FloatArray, first_ahead, waypoint_items
+from sar_bridge.mission_upload import Address, MissionUpload, UploadState
+
+HEARTBEAT_PERIOD_S = 1.0
+LINK_TIMEOUT_S = 3.0
+RETRY_LIST_S = 1.0
+STREAMS = {
+    mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: 10.0,
+    mavlink.MAVLINK_MSG_ID_ATTITUDE: 10.0,
+    mavlink.MAVLINK_MSG_ID_MISSION_CURRENT: 2.0,
+}
+
+Messages = list[mavlink.MAVLink_message]
+
+
+@dataclass(frozen=True)
+class Uploaded:
+    """A list the autopilot has accepted: its identity, size, and how long the upload took."""
+
+    stamp_s: float
+    items: int
+    duration_s: float
+
+
+class AutopilotSession:
+    """Talks to the first autopilot heard, or to the configured system.
+
+    ``released``: somebody changed the mode while the list was flown; nothing is sent until a new
+    engagement. ``uploaded``: the newest accepted list.
+    """
+
+    def __init__(self, *, altitude_m: float, target_system: int = 0) -> None:
+        """Fly lists at ``altitude_m`` above home; ``target_system`` 0 takes the first heard."""
+        self.altitude_m = altitude_m
+        self.state = AutopilotState()
+        self.address: Address | None = None
+        self.released = False
+        self.uploaded: Uploaded | None = None
+        self._wanted_system = target_system
+        self._upload: MissionUpload | None = None
+        self._commands: CommandQueue | None = None
+        self._points: FloatArray | None = None
+        self._stamp_s = 0.0
+        self._datum: Datum | None = None
+        self._in_auto = False
+        self._engaging = False
+        self._heartbeat_sent_s = float("-inf")
+
+    # What is asked of the session --------------------------------------------------------------
+
+    def set_list(
+        self,
+        points: FloatArray,
+        stamp_s: float,
+        datum: Datum,
+        now_s: float,
+        *,
+        may_engage: bool = True,
+    ) -> Messages:
+        """Upload a list and fly it; an empty one withdraws whatever is under way.
+
+        ``may_engage``: whether a first list may change the mode from GUIDED to AUTO (not one that
+        was published before this session began).
+        """
+        if len(points) == 0:
+            self._points = None
+            self._engaging = self.released = False
+            self._in_auto = False
+            if self._upload is not None:
+                self._upload.cancel()
+            return []
+        if self._points is None:
+            self._engaging = may_engage
+            self.released = False
+        self._points, self._stamp_s, self._datum = points, stamp_s, datum
+        return self._start_upload(now_s)
+
+    def return_home(self, now_s: float) -> Messages:
+        """Command RTL and let go of the list."""
+        self._points = None
+        self._engaging = self._in_auto = False
+        if self._upload is not None:
+            self._upload.cancel()
+        return self._mode_command("RTL", now_s)
+
+    # Messages ----------------------------------------------------------------------------------
+
+    def handle(
+        self,
+        message: mavlink.MAVLink_message,
+        *,
+        now_s: float,
+        ros_s: float,
+        datum: Datum | None,
+    ) -> tuple[Messages, bool]:
+        """Take a message; return what to send, and whether there is a new position."""
+        sender = Address(message.get_srcSystem(), message.get_srcComponent())
+        out: Messages = []
+        if self.address is None:
+            if not self._is_autopilot(message, sender):
+                return [], False
+            out += self._connect(sender, now_s)
+        if sender != self.address or self._upload is None or self._commands is None:
+            return out, False
+        moved = self.state.handle(message, monotonic_s=now_s, ros_s=ros_s, datum=datum)
+        self._commands.handle(message)
+        before = self._upload.state
+        out += self._upload.handle(message, now_s)
+        if self._upload.state is UploadState.ACCEPTED and before is not UploadState.ACCEPTED:
+            out += self._accepted(now_s)
+        if message.get_type() == "HEARTBEAT":
+            self._watch_mode()
+        return out, moved
+
+    def _is_autopilot(self, message: mavlink.MAVLink_message, sender: Address) -> bool:
+        if message.get_type() != "HEARTBEAT" or self._wanted_system not in (0, sender.system):
+            return False
+        return bool(message.autopilot != mavlink.MAV_AUTOPILOT_INVALID)
+
+    def _connect(self, address: Address, now_s: float) -> Messages:
+        self.address = address
+        self._upload = MissionUpload(address)
+        self._commands = CommandQueue(address)
+        # One command kind is pending at a time, so the streams are asked for without waiting.
+        streams = [
+            Command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, (number, 1e6 / rate)).message(address, 0)
+            for number, rate in STREAMS.items()
+        ]
+        return streams + self._start_upload(now_s)
+
+    def tick(self, now_s: float) -> Messages:
+        """Return what is due: heartbeats, repeats, and a list that failed before."""
+        out: Messages = []
+        if now_s - self._heartbeat_sent_s >= HEARTBEAT_PERIOD_S:
+            self._heartbeat_sent_s = now_s
+            out.append(
+                mavlink.MAVLink_heartbeat_message(
+                    mavlink.MAV_TYPE_GCS,
+                    mavlink.MAV_AUTOPILOT_INVALID,
+                    0,
+                    0,
+                    mavlink.MAV_STATE_ACTIVE,
+                    3,
+                )
+            )
+        if self._upload is not None and self._commands is not None:
+            out += self._upload.tick(now_s) + self._commands.tick(now_s)
+            failed = self._upload.state is UploadState.FAILED
+            if failed and now_s - self._upload.finished_s > RETRY_LIST_S and not self.released:
+                out += self._start_upload(now_s)
+        return out
+
+    # What is known -----------------------------------------------------------------------------
+
+    def connected(self, now_s: float) -> bool:
+        """Whether the autopilot's heartbeat is fresh."""
+        return now_s - self.state.heartbeat_s < LINK_TIMEOUT_S
+
+    def problem(self, now_s: float) -> str:
+        """Return what is wrong, empty when nothing is."""
+        if self.address is None:
+            return "no autopilot heard"
+        if not self.connected(now_s):
+            return "autopilot's heartbeat lost"
+        if self.released:
+            return f"released: mode {self.state.mode} was chosen by somebody else"
+        if self._upload is not None and self._upload.state is UploadState.FAILED:
+            return f"mission upload: {self._upload.failure}"
+        return self._commands.refusal if self._commands is not None else ""
+
+    # Steps -------------------------------------------------------------------------------------
+
+    def _start_upload(self, now_s: float) -> Messages:
+        if self._upload is None or self._points is None or self.released or self._datum is None:
+            return []
+        items = waypoint_items(self._points, self._datum, self.altitude_m)
+        if not self.state.ardupilot:
+            items = items[1:]
+        return self._upload.start(items, self._stamp_s, now_s)
+
+    def _accepted(self, now_s: float) -> Messages:
+        """Make the first waypoint ahead current; from GUIDED, begin to fly the mission."""
+        assert self._upload is not None
+        assert self._commands is not None
+        if self._points is None:
+            return []
+        duration = now_s - self._upload.started_s
+        self.uploaded = Uploaded(self._stamp_s, len(self._points), duration)
+        telemetry = self.state.telemetry
+        ahead = first_ahead(self._points, None if telemetry is None else telemetry.motion)
+        seq = ahead + (1 if self.state.ardupilot else 0)
+        out = self._commands.send(
+            Command(mavlink.MAV_CMD_DO_SET_MISSION_CURRENT, (float(seq),)), now_s
+        )
+        if self._engaging and self.state.mode == "GUIDED":
+            out += self._mode_command("AUTO", now_s)
+        self._engaging = False
+        return out
+
+    def _mode_command(self, name: str, now_s: float) -> Messages:
+        if self._commands is None:
+            return []
+        number = self.state.mode_number(name)
+        custom = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
+        return self._commands.send(
+            Command(mavlink.MAV_CMD_DO_SET_MODE, (custom, float(number))), now_s
+        )
+
+    def _watch_mode(self) -> None:
+        """Let go at once when AUTO was left by somebody else while a list was flown."""
+        in_auto = self.state.mode == "AUTO"
+        if self._points is not None and self._in_auto and not in_auto:
+            self.released = True
+            if self._upload is not None:
+                self._upload.cancel()
+            if self._commands is not None:
+                self._commands.clear()
+        self._in_auto = in_auto and self._points is not None

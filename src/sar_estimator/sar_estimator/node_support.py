@@ -1,0 +1,81 @@
+"""What every node shares: quality of service, parameters from dataclasses, start and stop."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import fields
+from typing import Any
+
+import rclpy
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+RELIABLE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
+LATCHED = QoSProfile(
+    depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
+)
+
+
+def now_s(node: Node) -> float:
+    """Return the node's clock [s]."""
+    return float(node.get_clock().now().nanoseconds) * 1e-9
+
+
+def parameter(node: Node, name: str, default: Any) -> Any:
+    """Declare a parameter with its default and return its value; whole numbers serve as floats.
+
+    Raises ``ValueError`` naming the parameter when the value has another type.
+    """
+    node.declare_parameter(name, default, ParameterDescriptor(dynamic_typing=True))
+    value = node.get_parameter(name).value
+    if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    if isinstance(default, list):
+        value = list(value)
+    if type(value) is not type(default):
+        raise ValueError(
+            f"parameter {name} = {value!r}: expected a value like {default!r}"
+        )
+    return value
+
+
+def parameters(node: Node, kind: type[Any], **defaults: Any) -> Any:
+    """Return a dataclass filled from parameters of the same names (tuples as lists).
+
+    A field whose default is None is a number that is not set while it is 0.
+    """
+    values = {}
+    for item in fields(kind):
+        default = defaults.get(item.name, item.default)
+        if default is None:
+            values[item.name] = parameter(node, item.name, 0.0) or None
+        elif isinstance(default, tuple):
+            values[item.name] = tuple(parameter(node, item.name, list(default)))
+        else:
+            values[item.name] = parameter(node, item.name, default)
+    return kind(**values)
+
+
+def run_node(name: str, make: Callable[[], Node]) -> int:
+    """Run a node until SIGINT, SIGTERM or shutdown; 2 and one line when it refuses to start."""
+    rclpy.init()
+    try:
+        node = make()
+    except (ValueError, OSError) as error:
+        sys.stderr.write(f"{name}: {error}\n")
+        rclpy.try_shutdown()
+        return 2
+    try:
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        close = getattr(node, "close", None)
+        if close is not None:
+            close()
+        node.destroy_node()
+        rclpy.try_shutdown()
+    return 0

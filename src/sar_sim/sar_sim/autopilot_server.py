@@ -1,0 +1,205 @@
+"""The simulated autopilot's MAVLink side: mission protocol, commands, telemetry. Pure.
+
+The vehicle's half of https://mavlink.io/en/services/mission.html, as ArduPlane keeps it.
+"""
+
+from __future__ import annotations
+
+import math
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+from sar_bridge.mission_items import MissionItem
+from sar_estimator.geodesy import Datum
+
+from sar_sim.autopilot import FlightMode, SimAutopilot
+
+ITEM_TIMEOUT_S = 0.25
+ITEM_RETRIES = 20
+POSITION_PERIOD_S = 0.1
+HEARTBEAT_PERIOD_S = 1.0
+
+Messages = list[mavlink.MAVLink_message]
+
+
+class AutopilotServer:
+    """Answers a ground station on behalf of a ``SimAutopilot``.
+
+    Transfer times are of a monotonic clock [s], telemetry is paced by the simulation's time.
+    """
+
+    def __init__(self, autopilot: SimAutopilot, datum: Datum) -> None:
+        """Serve ``autopilot``, whose positions count from ``datum``."""
+        self._autopilot, self._datum = autopilot, datum
+        self._incoming: dict[int, MissionItem] = {}
+        self._expected = 0
+        self._partner = (0, 0)
+        self._asked_s = 0.0
+        self._asked = 0
+        self._next_position_s = 0.0
+        self._next_heartbeat_s = 0.0
+        self.gcs_seen = False
+
+    # Ground station to autopilot ---------------------------------------------------------------
+
+    def handle(self, message: mavlink.MAVLink_message, now_s: float) -> Messages:
+        """Take a message; return the answers."""
+        if getattr(message, "target_system", 1) not in (0, 1):
+            return []
+        kind = message.get_type()
+        self._partner = (message.get_srcSystem(), message.get_srcComponent())
+        if kind == "HEARTBEAT":
+            self.gcs_seen = True
+            return []
+        if kind == "MISSION_COUNT":
+            return self._count(message, now_s)
+        if kind == "MISSION_ITEM_INT":
+            return self._item(message, now_s)
+        if kind == "COMMAND_LONG":
+            return self._command(message)
+        if kind == "MISSION_REQUEST_LIST":
+            return [
+                mavlink.MAVLink_mission_count_message(*self._partner, len(self._autopilot.items))
+            ]
+        if kind == "MISSION_REQUEST_INT":
+            return self._download(message.seq)
+        return []
+
+    def _count(self, message: mavlink.MAVLink_message, now_s: float) -> Messages:
+        if message.mission_type != mavlink.MAV_MISSION_TYPE_MISSION:
+            return [self._ack(mavlink.MAV_MISSION_UNSUPPORTED)]
+        self._incoming, self._expected = {}, message.count
+        if self._expected == 0:
+            self._autopilot.load([])
+            return [self._ack(mavlink.MAV_MISSION_ACCEPTED)]
+        return self._ask(now_s)
+
+    def _ask(self, now_s: float) -> Messages:
+        self._asked_s, self._asked = now_s, 0
+        return [mavlink.MAVLink_mission_request_int_message(*self._partner, len(self._incoming))]
+
+    def _item(self, message: mavlink.MAVLink_message, now_s: float) -> Messages:
+        if self._expected == 0:
+            return []
+        if message.seq != len(self._incoming):
+            return []
+        self._incoming[message.seq] = MissionItem(
+            message.command,
+            message.x,
+            message.y,
+            message.z,
+            message.frame,
+            (message.param1, message.param2, message.param3, message.param4),
+        )
+        if len(self._incoming) < self._expected:
+            return self._ask(now_s)
+        self._autopilot.load([self._incoming[seq] for seq in range(self._expected)])
+        self._expected = 0
+        return [self._ack(mavlink.MAV_MISSION_ACCEPTED)]
+
+    def _ack(self, result: int) -> mavlink.MAVLink_message:
+        return mavlink.MAVLink_mission_ack_message(*self._partner, result)
+
+    def _download(self, seq: int) -> Messages:
+        if seq >= len(self._autopilot.items):
+            return [self._ack(mavlink.MAV_MISSION_INVALID_SEQUENCE)]
+        item = self._autopilot.items[seq]
+        return [
+            mavlink.MAVLink_mission_item_int_message(
+                *self._partner,
+                seq,
+                item.frame,
+                item.command,
+                int(seq == self._autopilot.current),
+                1,
+                *item.params,
+                item.latitude_e7,
+                item.longitude_e7,
+                item.altitude_m,
+            )
+        ]
+
+    def _command(self, message: mavlink.MAVLink_message) -> Messages:
+        result = mavlink.MAV_RESULT_ACCEPTED
+        if message.command == mavlink.MAV_CMD_DO_SET_MISSION_CURRENT:
+            if not self._autopilot.set_current(int(message.param1)):
+                result = mavlink.MAV_RESULT_DENIED
+        elif message.command == mavlink.MAV_CMD_DO_SET_MODE:
+            result = self._set_mode(int(message.param2))
+        elif message.command == mavlink.MAV_CMD_DO_CHANGE_SPEED:
+            if message.param2 > 0.0:
+                self._autopilot.airspeed_mps = message.param2
+        elif message.command != mavlink.MAV_CMD_SET_MESSAGE_INTERVAL:
+            result = mavlink.MAV_RESULT_UNSUPPORTED
+        return [mavlink.MAVLink_command_ack_message(message.command, result)]
+
+    def _set_mode(self, number: int) -> int:
+        if number not in tuple(FlightMode):
+            return int(mavlink.MAV_RESULT_DENIED)
+        self._autopilot.set_mode(FlightMode(number))
+        accepted = self._autopilot.mode == number
+        return int(mavlink.MAV_RESULT_ACCEPTED if accepted else mavlink.MAV_RESULT_FAILED)
+
+    # Autopilot to ground station ---------------------------------------------------------------
+
+    def tick(self, now_s: float) -> Messages:
+        """Ask again for an item that did not come; give the transfer up after many tries."""
+        if self._expected == 0 or now_s - self._asked_s < ITEM_TIMEOUT_S:
+            return []
+        if self._asked >= ITEM_RETRIES:
+            self._expected = 0
+            return [self._ack(mavlink.MAV_MISSION_OPERATION_CANCELLED)]
+        tries = self._asked + 1
+        out = self._ask(now_s)
+        self._asked = tries
+        return out
+
+    def telemetry(self, time_s: float) -> Messages:
+        """Return what is due at the simulation's ``time_s`` [s]."""
+        out: Messages = []
+        if time_s >= self._next_heartbeat_s - 1e-9:
+            self._next_heartbeat_s = time_s + HEARTBEAT_PERIOD_S
+            out += [self._heartbeat(), mavlink.MAVLink_mission_current_message(
+                self._autopilot.current)]
+        if time_s >= self._next_position_s - 1e-9:
+            self._next_position_s = time_s + POSITION_PERIOD_S
+            out += [self._attitude(time_s), self._position(time_s)]
+        out += [
+            mavlink.MAVLink_mission_item_reached_message(seq) for seq in self._autopilot.reached
+        ]
+        self._autopilot.reached.clear()
+        return out
+
+    def _heartbeat(self) -> mavlink.MAVLink_message:
+        armed = mavlink.MAV_MODE_FLAG_SAFETY_ARMED | mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+        return mavlink.MAVLink_heartbeat_message(
+            mavlink.MAV_TYPE_FIXED_WING,
+            mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA,
+            armed,
+            int(self._autopilot.mode),
+            mavlink.MAV_STATE_ACTIVE,
+            3,
+        )
+
+    def _attitude(self, time_s: float) -> mavlink.MAVLink_message:
+        state = self._autopilot.state
+        heading = math.remainder(math.pi / 2.0 - state.heading_rad, 2.0 * math.pi)
+        return mavlink.MAVLink_attitude_message(
+            round(time_s * 1e3), state.roll_rad, 0.0, heading, 0.0, 0.0, -state.turn_rate_radps
+        )
+
+    def _position(self, time_s: float) -> mavlink.MAVLink_message:
+        motion, state = self._autopilot.motion, self._autopilot.state
+        height = self._autopilot.altitude_m
+        latitude, longitude, altitude = self._datum.to_geodetic(motion.x_m, motion.y_m, height)
+        heading = (90.0 - math.degrees(state.heading_rad)) % 360.0
+        return mavlink.MAVLink_global_position_int_message(
+            round(time_s * 1e3),
+            round(latitude * 1e7),
+            round(longitude * 1e7),
+            round(altitude * 1e3),
+            round(height * 1e3),
+            round(motion.vy_mps * 100.0),
+            round(motion.vx_mps * 100.0),
+            0,
+            round(heading * 100.0) % 36000,
+        )

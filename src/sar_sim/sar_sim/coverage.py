@@ -1,0 +1,102 @@
+"""How much of the claimed area was seen (shapely)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import LineString, Polygon
+from shapely.geometry.base import BaseGeometry
+
+FloatArray = NDArray[np.float64]
+
+ARC_SEGMENTS = 32
+SQUARE_STEP_M = 10.0
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Areas [m^2]: claimed, seen of it, seen by both aircraft; and the gaps as a geometry."""
+
+    claimed_m2: float
+    covered_m2: float
+    overlap_m2: float
+    gaps: BaseGeometry
+    claimed: BaseGeometry
+
+    @property
+    def percent(self) -> float:
+        """Covered area / claimed area [%]."""
+        return 100.0 * self.covered_m2 / self.claimed_m2
+
+    @property
+    def overlap_percent(self) -> float:
+        """Area seen by both aircraft / claimed area [%]."""
+        return 100.0 * self.overlap_m2 / self.claimed_m2
+
+
+def swath(xy_m: FloatArray, radius_m: float, *, footprint: str = "disc") -> BaseGeometry:
+    """Return what is seen along a track, shape (n, 2) [m].
+
+    A disc of ``radius_m``, or a square of that half-width turned into the direction of flight.
+    """
+    if len(xy_m) < 2:
+        raise ValueError(f"track of {len(xy_m)} points: expected two or more")
+    if footprint == "disc":
+        return LineString(xy_m).simplify(0.05).buffer(radius_m, quad_segs=ARC_SEGMENTS)
+    return shapely.union_all(_squares(xy_m, radius_m))
+
+
+def _squares(xy_m: FloatArray, half_m: float) -> list[Polygon]:
+    """Return the hulls of the squares at the ends of every piece of a track."""
+    steps = np.hypot(*np.diff(xy_m, axis=0).T)
+    along = np.concatenate(([0.0], np.cumsum(steps)))
+    count = max(2, math.ceil(along[-1] / SQUARE_STEP_M) + 1)
+    at = np.linspace(0.0, along[-1], count)
+    points = np.column_stack([np.interp(at, along, xy_m[:, axis]) for axis in (0, 1)])
+    hulls = []
+    for a, b in zip(points, points[1:], strict=False):
+        length = float(np.hypot(*(b - a)))
+        if length < 1e-6:
+            continue
+        ahead = (b - a) / length * half_m
+        left = np.array((-ahead[1], ahead[0]))
+        hulls.append(Polygon([a - ahead + left, a - ahead - left, b + ahead - left, b + ahead + left]))
+    return hulls
+
+
+def ideal_tracks(
+    corners_xy: FloatArray, *, spacing_m: float, turn_side: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return the ideal formation's tracks with sharp corners, both shape (n, 2) [m].
+
+    ``corners_xy``: the helicopter's start, corners and end. The UAV flies ``spacing_m`` inside.
+    """
+    line = LineString(corners_xy)
+    inner = line.offset_curve(-turn_side * spacing_m, join_style="mitre", mitre_limit=10.0)
+    return np.asarray(line.coords), np.asarray(inner.coords)
+
+
+def measure(
+    helicopter_xy: FloatArray,
+    uav_xy: FloatArray,
+    ideal: tuple[FloatArray, FloatArray],
+    *,
+    radius_m: float,
+    footprint: str,
+) -> Coverage:
+    """Compare what both aircraft saw with what the ideal formation sweeps."""
+    claimed = shapely.union_all([swath(xy, radius_m, footprint=footprint) for xy in ideal])
+    first = swath(helicopter_xy, radius_m, footprint=footprint)
+    second = swath(uav_xy, radius_m, footprint=footprint)
+    seen = first.union(second).intersection(claimed)
+    return Coverage(
+        claimed_m2=claimed.area,
+        covered_m2=seen.area,
+        overlap_m2=first.intersection(second).intersection(claimed).area,
+        gaps=claimed.difference(seen),
+        claimed=claimed,
+    )

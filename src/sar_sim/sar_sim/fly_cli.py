@@ -1,0 +1,89 @@
+"""``fly``: a scenario flown offline, with the same results folder as a flight of the graph."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from pathlib import Path
+
+from sar_planner.rule_sets import RULE_SETS
+from tqdm import tqdm
+
+from sar_sim.bag import BagWriter
+from sar_sim.offline import OfflineFlight, Progress
+from sar_sim.options import (
+    add_flight_options,
+    estimator_parameters,
+    new_run_folder,
+    scenario_from,
+)
+from sar_sim.report import write_report
+from sar_sim.report_cli import summary_line
+from sar_sim.scenario import Scenario
+from sar_sim.tracks import load_track
+
+
+def status_line(progress: Progress) -> str:
+    """Return progress in a few words."""
+    lag, apart = progress.lag_m, progress.separation_m
+    return (
+        f"corner {progress.corner} {progress.rule:<5}"
+        f" L {'–' if lag is None else f'{lag:7.1f} m'}"
+        f" separation {'–' if apart is None else f'{apart:6.0f} m'}"
+    )
+
+
+def fly(
+    scenario: Scenario, out: Path, *, rules: str, truth: bool, track: Path | None, quiet: bool
+) -> dict[str, object]:
+    """Fly a scenario into the results folder ``out``; return the metrics."""
+    fixes = load_track(track) if track is not None else None
+    bag = BagWriter(out / "bag")
+    try:
+        flight = OfflineFlight(
+            scenario,
+            rules=rules,
+            truth=truth,
+            track=fixes,
+            estimator_parameters=estimator_parameters(recorded=track is not None),
+            bag=bag,
+        )
+        total = math.ceil(flight.world.end_s)
+        with tqdm(total=total, unit="s", disable=quiet, leave=False) as bar:
+
+            def told(progress: Progress) -> None:
+                bar.set_description_str(status_line(progress), refresh=False)
+                bar.update(1)
+
+            flight.run(told)
+    finally:
+        bag.close()
+    return write_report(out / "bag", out)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command; 2 on bad input."""
+    parser = argparse.ArgumentParser(prog="fly", description=__doc__)
+    add_flight_options(parser, rule_sets=RULE_SETS)
+    parser.add_argument("--truth", action="store_true", help="the true state, not the filter's")
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    args = parser.parse_args(argv)
+    try:
+        scenario = scenario_from(args)
+        track = None if args.helicopter == "sim" else Path(args.helicopter)
+        if args.helicopter == "topic":
+            raise ValueError("--helicopter topic: expected sim, a CSV file or a bag, offline")
+        out = new_run_folder(args.out)
+        metrics = fly(
+            scenario, out, rules=args.rules, truth=args.truth, track=track, quiet=args.quiet
+        )
+    except (OSError, ValueError) as error:
+        sys.stderr.write(f"fly: {error}\n")
+        return 2
+    sys.stdout.write(f"{summary_line(metrics)}\n{out}/report.html\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,219 @@
+"""``launch``: starts every node of a flight, shows progress, stops them, writes the report."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import socket
+import sys
+import time
+from pathlib import Path
+from types import FrameType
+
+import rclpy
+import yaml
+from ament_index_python.packages import get_package_prefix
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from sar_bridge.link import check_url
+from sar_estimator import topics
+from sar_estimator.node_support import RELIABLE
+
+from sar_planner.parameters import ParameterError
+from sar_planner.rule_sets import RULE_SETS, make_rule_set
+
+from sar_sim.launch_plan import FlightOptions, NodeSpec, parameter_document, plan_nodes, read_tuned
+from sar_sim.options import (
+    add_flight_options,
+    find_scenario,
+    new_run_folder,
+    scenario_folder,
+    scenario_from,
+)
+from sar_sim.processes import NodeProcess, folder_bytes
+from sar_sim.report import write_report
+from sar_sim.report_cli import summary_line
+from sar_sim.scenario import ScenarioError, scenario_document
+from sar_sim.tracks import load_track
+
+TELL_TERMINAL_S, TELL_FILE_S = 0.5, 5.0
+
+
+class Watcher(Node):
+    """Hears the nodes' diagnostics, for the progress line."""
+
+    def __init__(self) -> None:
+        """Subscribe."""
+        super().__init__("launch")
+        self.values: dict[str, dict[str, str]] = {}
+        self.problems: dict[str, str] = {}
+        self.create_subscription(DiagnosticArray, topics.DIAGNOSTICS, self._on, RELIABLE)
+
+    def _on(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            self.values[status.name] = {item.key: item.value for item in status.values}
+            self.values[status.name]["time_s"] = str(message.header.stamp.sec)
+            bad = int.from_bytes(status.level, "little") > 0
+            self.problems[status.name] = status.message if bad else ""
+
+    def line(self, bag: Path) -> str:
+        """Return progress in one line."""
+        planner = self.values.get("planner", {})
+        corner = int(planner.get("corner") or 0)
+        flying = planner.get("rule", "") in ("T1", "T2", "T3", "T4")
+        leg = corner if flying or planner.get("phase") == "decelerating" else corner + 1
+        parts = [
+            f"t {planner.get('time_s', '–')} s",
+            f"leg {max(1, leg)}",
+            f"corner k={corner}",
+            f"rule {planner.get('rule', '–')}",
+            f"L {planner.get('lag_m') or '–'} m",
+            f"separation {planner.get('separation_m') or '–'} m",
+            f"bag {folder_bytes(bag) / 1e6:.1f} MB",
+        ]
+        worst = next((f"{name}: {text}" for name, text in self.problems.items() if text), "")
+        return "  ".join([*parts, worst]).rstrip()
+
+
+class Flight:
+    """The running nodes of one flight."""
+
+    def __init__(self, specs: list[NodeSpec], out: Path) -> None:
+        """Write the parameters and start every node."""
+        self.out, self.bag = out, out / "bag"
+        self.stopped_by = ""
+        parameters = out / "params.yaml"
+        parameters.write_text(yaml.safe_dump(parameter_document(specs)), encoding="utf-8")
+        logs = out / "log"
+        logs.mkdir()
+        self.nodes: list[NodeProcess] = []
+        for spec in specs:
+            program = Path(get_package_prefix(spec.package), "lib", spec.package, spec.executable)
+            command = [str(program), "--ros-args", "--params-file", str(parameters)]
+            self.nodes.append(
+                NodeProcess(spec.executable, command, logs / f"{spec.executable}.log")
+            )
+
+    def on_signal(self, number: int, _frame: FrameType | None) -> None:
+        """Note that the flight shall end."""
+        self.stopped_by = signal.Signals(number).name
+
+    def ended(self) -> NodeProcess | None:
+        """Return a node that has ended, None while all run."""
+        return next((node for node in self.nodes if node.exit_code is not None), None)
+
+    def watch(self, watcher: Watcher) -> NodeProcess | None:
+        """Show progress until a node ends or a signal comes; return the node."""
+        terminal = sys.stdout.isatty()
+        told = 0.0
+        while not self.stopped_by:
+            ended = self.ended()
+            if ended is not None:
+                return ended
+            rclpy.spin_once(watcher, timeout_sec=0.1)
+            if time.monotonic() - told > (TELL_TERMINAL_S if terminal else TELL_FILE_S):
+                told = time.monotonic()
+                text = watcher.line(self.bag)
+                sys.stdout.write(f"\r\x1b[K{text}" if terminal else f"{text}\n")
+                sys.stdout.flush()
+        return None
+
+    def stop(self) -> None:
+        """Stop every node, the recorder last so that it hears the others to the end."""
+        for node in reversed(self.nodes):
+            if not node.stop():
+                sys.stderr.write(f"launch: {node.name} did not stop and was killed\n")
+
+
+def free_port() -> int:
+    """Return a UDP port of loopback that nobody uses."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def _arguments(argv: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="launch.sh", description=__doc__)
+    add_flight_options(parser, rule_sets=RULE_SETS)
+    parser.add_argument("--speed", type=float, help="times real time, default 10 in simulation")
+    parser.add_argument(
+        "--autopilot", default="", metavar="URL", help="udp:H:P, tcp:H:P or /dev/NAME,BAUD"
+    )
+    parser.add_argument("--no-sim", action="store_true", help="nothing simulated: a real flight")
+    parser.add_argument("--params", type=Path, help="node parameters, default config/params.yaml")
+    parser.add_argument("--setup", action="store_true", help="only set up and build")
+    return parser.parse_args(argv)
+
+
+def prepare(args: argparse.Namespace) -> tuple[list[NodeSpec], Path]:
+    """Check everything that was asked for before anything is started.
+
+    Returns the nodes and the results folder. Raises ``ValueError`` in one line.
+    """
+    options = FlightOptions(
+        args.helicopter, args.autopilot, args.rules, args.speed, simulation=not args.no_sim
+    )
+    if options.autopilot:
+        check_url(options.autopilot)
+    find_scenario(args.scenario)
+    scenario = scenario_from(args)
+    make_rule_set(args.rules, scenario.corner)
+    if options.recorded:
+        load_track(Path(options.helicopter))
+    file = args.params or scenario_folder().parent / "params.yaml"
+    try:
+        tuned = read_tuned(yaml.safe_load(file.read_text(encoding="utf-8")) or {}, str(file))
+    except (OSError, yaml.YAMLError) as error:
+        raise ScenarioError(f"{file}: {' '.join(str(error).split())}") from error
+    out = new_run_folder(args.out).resolve()
+    flown = out / "scenario.yaml"
+    flown.write_text(yaml.safe_dump(scenario_document(scenario)), encoding="utf-8")
+    return plan_nodes(
+        scenario, flown, options, bag=out / "bag", port=free_port(), tuned=tuned
+    ), out
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Fly; 0 when it ended in order, 1 when a node failed, 2 on bad input."""
+    args = _arguments(argv)
+    try:
+        specs, out = prepare(args)
+    except (OSError, ValueError, ParameterError) as error:
+        sys.stderr.write(f"launch: {error}\n")
+        return 2
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    watcher = Watcher()
+    flight = Flight(specs, out)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, flight.on_signal)
+    failed = None
+    try:
+        ended = flight.watch(watcher)
+        if ended is not None and not (ended.name == "sim" and ended.exit_code == 0):
+            failed = ended
+    finally:
+        flight.stop()
+        watcher.destroy_node()
+        rclpy.try_shutdown()
+    sys.stdout.write("\n")
+    if failed is not None:
+        sys.stderr.write(
+            f"launch: node {failed.name} ended with exit code {failed.exit_code}; its last lines:\n"
+            f"{failed.last_lines()}\n"
+        )
+    if flight.stopped_by:
+        sys.stdout.write(f"stopped by {flight.stopped_by}\n")
+    try:
+        metrics = write_report(flight.bag, out)
+        sys.stdout.write(f"{summary_line(metrics)}\n{out}/report.html\n")
+    except Exception as error:  # whatever a bag cut short by a failure brings
+        sys.stderr.write(f"launch: no report: {error}\n")
+        return 1
+    return 0 if failed is None else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

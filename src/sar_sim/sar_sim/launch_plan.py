@@ -1,0 +1,136 @@
+"""Which nodes a flight needs, with which parameters. Pure."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from sar_sim.options import RECORDED_FIX_SIGMA_M
+from sar_sim.scenario import Scenario, ScenarioError
+
+
+@dataclass(frozen=True)
+class FlightOptions:
+    """What was asked for on the command line.
+
+    ``helicopter``: ``sim``, ``topic``, or the path of a track. ``autopilot``: a URL, empty for the
+    simulated UAV. ``speed``: times real time, None for the default.
+    """
+
+    helicopter: str = "sim"
+    autopilot: str = ""
+    rules: str = "paper"
+    speed: float | None = None
+    simulation: bool = True
+
+    def __post_init__(self) -> None:
+        """Refuse combinations that make no flight."""
+        if not self.simulation and not self.autopilot:
+            raise ScenarioError("--no-sim: expected --autopilot URL, the UAV's autopilot")
+        if not self.simulation and self.helicopter == "sim":
+            raise ScenarioError("--no-sim: expected --helicopter topic, a live GPS fix")
+        if self.speed is not None and not 0.0 < self.speed <= 100.0:
+            raise ScenarioError(f"--speed {self.speed}: expected more than 0, at most 100")
+        if self.speed not in (None, 1.0) and self.helicopter == "topic":
+            raise ScenarioError(f"--speed {self.speed}: a live helicopter flies at 1")
+
+    @property
+    def recorded(self) -> bool:
+        """Whether a recorded track is flown."""
+        return self.helicopter not in ("sim", "topic")
+
+    @property
+    def live(self) -> bool:
+        """Whether the helicopter is a real one."""
+        return self.helicopter == "topic"
+
+    @property
+    def pace(self) -> float:
+        """Times real time: 10 for a whole simulation, 1 as soon as anything is real."""
+        if self.speed is not None:
+            return self.speed
+        return 1.0 if self.live or self.autopilot else 10.0
+
+
+@dataclass(frozen=True)
+class NodeSpec:
+    """One process: the executable of a package, and its node's name and parameters."""
+
+    package: str
+    executable: str
+    parameters: dict[str, Any] = field(default_factory=dict)
+
+
+def plan_nodes(
+    scenario: Scenario,
+    scenario_file: Path,
+    options: FlightOptions,
+    *,
+    bag: Path,
+    port: int,
+    tuned: dict[str, dict[str, Any]],
+) -> list[NodeSpec]:
+    """Return the nodes in the order of their start, the recorder first.
+
+    ``tuned``: parameters from the parameter file by node name, over which the scenario's go.
+    """
+    clock = {"use_sim_time": not options.live}
+    estimator: dict[str, Any] = {}
+    if options.recorded:
+        estimator["default_fix_sigma_m"] = RECORDED_FIX_SIGMA_M
+    elif not options.live:
+        estimator |= {f"datum_{key}": value for key, value in asdict(scenario.datum).items()}
+    corner = {key: value or 0.0 for key, value in asdict(scenario.corner).items()}
+    planner = corner | {
+        "rules": options.rules,
+        "turn_side": scenario.pattern.turn_side,
+        "arc_spacing_m": scenario.arc_spacing_m,
+    }
+    url = options.autopilot or f"udp:127.0.0.1:{port}"
+    specs = [
+        NodeSpec("sar_sim", "record", {"bag": str(bag)}),
+        NodeSpec("sar_estimator", "estimator", estimator),
+        NodeSpec("sar_planner", "planner", planner),
+        NodeSpec("sar_bridge", "bridge", {"autopilot_url": url}),
+    ]
+    if options.simulation and not (options.live and options.autopilot):
+        sim = {
+            "scenario": str(scenario_file),
+            "speed": options.pace,
+            "uav": not options.autopilot,
+            "mavlink_port": port,
+            "live_helicopter": options.live,
+            "track": options.helicopter if options.recorded else "",
+            "wait_for_listeners": 2,
+        }
+        specs.append(NodeSpec("sar_sim", "sim", sim))
+    return [
+        NodeSpec(
+            spec.package,
+            spec.executable,
+            tuned.get(spec.executable, {}) | spec.parameters | ({} if spec.executable == "sim" else clock),
+        )
+        for spec in specs
+    ]
+
+
+def parameter_document(specs: list[NodeSpec]) -> dict[str, Any]:
+    """Return a ROS parameter file's content for the nodes."""
+    return {spec.executable: {"ros__parameters": spec.parameters} for spec in specs}
+
+
+def read_tuned(document: object, name: str) -> dict[str, dict[str, Any]]:
+    """Return a parameter file's content by node. Raises ``ScenarioError`` naming what is wrong."""
+    known = ("estimator", "planner", "bridge", "record", "sim")
+    if not isinstance(document, dict):
+        raise ScenarioError(f"{name}: expected node names with ros__parameters")
+    tuned = {}
+    for node, block in document.items():
+        if node not in known:
+            raise ScenarioError(f"{name}: {node}: expected one of {', '.join(known)}")
+        values = block.get("ros__parameters") if isinstance(block, dict) else None
+        if not isinstance(values, dict):
+            raise ScenarioError(f"{name}: {node}: expected a mapping ros__parameters")
+        tuned[node] = values
+    return tuned

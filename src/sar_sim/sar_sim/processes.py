@@ -1,0 +1,69 @@
+"""Child processes that end with their parent, one log file each."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+
+PR_SET_PDEATHSIG = 1
+LAST_LINES = 15
+
+
+def _die_with_parent() -> None:
+    """Have the kernel end this process when its parent dies, however that happens (Linux)."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
+class NodeProcess:
+    """One running node."""
+
+    def __init__(self, name: str, command: Sequence[str], log: Path) -> None:
+        """Start it, away from the terminal's signals: the launcher passes them on in order."""
+        self.name, self.log = name, log
+        environment = dict(os.environ, PYTHONUNBUFFERED="1", OPENBLAS_NUM_THREADS="1")
+        with log.open("wb") as stream:
+            self._process = subprocess.Popen(  # noqa: S603
+                list(command),
+                stdin=subprocess.DEVNULL,
+                stdout=stream,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+                env=environment,
+                preexec_fn=_die_with_parent,  # noqa: PLW1509
+            )
+
+    @property
+    def exit_code(self) -> int | None:
+        """The exit code, None while it runs."""
+        return self._process.poll()
+
+    def last_lines(self) -> str:
+        """Return the end of its log."""
+        text = self.log.read_text(encoding="utf-8", errors="replace")
+        return "\n".join(text.splitlines()[-LAST_LINES:])
+
+    def stop(self, patience_s: float = 10.0) -> bool:
+        """Ask it to end, then make it; return whether it ended by itself."""
+        if self._process.poll() is not None:
+            return True
+        self._process.send_signal(signal.SIGINT)
+        try:
+            self._process.wait(timeout=patience_s)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+            return False
+        return True
+
+
+def folder_bytes(folder: Path) -> int:
+    """Return the size of the files in a folder, 0 when it is not there."""
+    if not folder.is_dir():
+        return 0
+    return sum(item.stat().st_size for item in folder.iterdir() if item.is_file())
+
+

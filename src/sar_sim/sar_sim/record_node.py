@@ -1,0 +1,75 @@
+"""Node ``record``: every topic of the graph into a bag (rosbag2, MCAP)."""
+
+from __future__ import annotations
+
+import sys
+from functools import partial
+from pathlib import Path
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rosbags.rosbag2 import WriterError
+
+from sar_estimator.node_support import now_s, parameter, run_node
+
+from sar_sim.bag import BagWriter, known_type
+from sar_sim.message_types import get_message
+
+DISCOVERY_PERIOD_S = 0.25
+
+
+class RecordNode(Node):
+    """Subscribes to topics as they appear and writes what arrives, as it arrives."""
+
+    def __init__(self) -> None:
+        """Open the bag."""
+        super().__init__("record")
+        folder = parameter(self, "bag", "")
+        if not folder:
+            raise ValueError("parameter bag: expected a folder that does not exist yet")
+        try:
+            self._bag = BagWriter(Path(folder))
+        except WriterError as error:
+            raise ValueError(f"parameter bag: {error}") from error
+        self._seen: set[str] = set()
+        self.create_timer(
+            DISCOVERY_PERIOD_S, self._discover, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+        self._discover()
+
+    def close(self) -> None:
+        """Finish the bag."""
+        self._bag.close()
+
+    def _discover(self) -> None:
+        for topic, kinds in self.get_topic_names_and_types():
+            if topic in self._seen or len(kinds) != 1 or not known_type(kinds[0]):
+                continue
+            publishers = self.get_publishers_info_by_topic(topic)
+            if publishers:
+                self._seen.add(topic)
+                self._subscribe(topic, kinds[0], publishers[0].qos_profile)
+
+    def _subscribe(self, topic: str, kind: str, offered: QoSProfile) -> None:
+        latched = offered.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        reliable = offered.reliability == ReliabilityPolicy.RELIABLE
+        qos = QoSProfile(
+            depth=100,
+            reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+            durability=offered.durability if latched else DurabilityPolicy.VOLATILE,
+        )
+        callback = partial(self._write, topic, kind, latched)
+        self.create_subscription(get_message(kind), topic, callback, qos, raw=True)
+
+    def _write(self, topic: str, kind: str, latched: bool, data: bytes) -> None:  # noqa: FBT001
+        self._bag.write(topic, kind, data, now_s(self), latched=latched)
+
+
+def main() -> int:
+    """Run the node."""
+    return run_node("record", RecordNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,41 @@
+"""``report``: all figures and metrics from a bag."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from sar_sim.report import write_report
+
+
+def summary_line(metrics: dict[str, Any]) -> str:
+    """Return a run's results in two lines for the terminal."""
+    lags = ", ".join(f"{lag:.1f}" for lag in metrics["lag_m"])
+    nearest, seen = metrics["min_separation_m"], metrics["coverage_percent"]
+    return (
+        f"L(k) = {lags or '–'} m; rules {' '.join(metrics['rules']) or '–'}\n"
+        f"least separation {'–' if nearest is None else f'{nearest:.1f} m'}, "
+        f"coverage {'–' if seen is None else f'{seen:.2f} %'}"
+    )
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command; 2 on bad input."""
+    parser = argparse.ArgumentParser(prog="report", description=__doc__)
+    parser.add_argument("bag", type=Path, help="bag folder")
+    parser.add_argument("--out", type=Path, help="folder to write to, default beside the bag")
+    args = parser.parse_args(argv)
+    out = args.out or args.bag.parent
+    try:
+        metrics = write_report(args.bag, out)
+    except Exception as error:  # rosbags raises its own for every kind of broken bag
+        sys.stderr.write(f"report: {args.bag}: {error}\n")
+        return 2
+    sys.stdout.write(f"{summary_line(metrics)}\n{out}/report.html\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,248 @@
+"""Node ``sim``: the world, the simulated autopilot on a MAVLink link, and ``/clock``.
+
+The node is the graph's clock, so it runs its own loop instead of an executor's timers.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from rosgraph_msgs.msg import Clock
+from sar_estimator import topics
+from sar_estimator.geodesy import Datum
+from sar_estimator.messages import (
+    fix_to_message,
+    odometry_to_motion,
+    text_message,
+    to_stamp,
+    velocity_message,
+)
+from sar_estimator.node_support import LATCHED, RELIABLE, now_s, parameter
+from sar_estimator.plane import Pose
+from sar_estimator.states import Motion
+from sensor_msgs.msg import NavSatFix
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from sar_sim.autopilot_server import AutopilotServer
+from sar_sim.offline import corner_truth_text, scenario_text
+from sar_sim.scenario import Scenario, load_scenario
+from sar_sim.tracks import load_track
+from sar_sim.udp_port import UdpPort
+from sar_sim.world import STEP_S, World
+
+STEPS_PER_TRUTH = 2
+SPIN_PERIOD_S = 0.02
+ENGAGE_PERIOD_S = 0.5
+MAX_SLIP_S = 0.5
+FLYING_MPS = 5.0
+STILL = Motion(0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+class SimNode(Node):
+    """Flies a scenario at a multiple of real time, then ends."""
+
+    def __init__(self) -> None:
+        """Read the scenario; create the world, the link and the topics."""
+        super().__init__("sim")
+        path = parameter(self, "scenario", "")
+        if not path:
+            raise ValueError("parameter scenario: expected a scenario file")
+        self._speed = parameter(self, "speed", 10.0)
+        if not 0.0 < self._speed <= 100.0:
+            raise ValueError(f"parameter speed = {self._speed}: expected 0 to 100")
+        track = parameter(self, "track", "")
+        self._live = parameter(self, "live_helicopter", False)
+        if self._live:
+            self._speed = 1.0
+        scenario = load_scenario(Path(path))
+        self._world = self._make_world(scenario, track)
+        self._port: UdpPort | None = None
+        self._server: AutopilotServer | None = None
+        if parameter(self, "uav", True):
+            self._port = UdpPort(parameter(self, "mavlink_port", 14550))
+            self._server = AutopilotServer(self._world.autopilot, self._world.datum)
+        self._listeners = parameter(self, "wait_for_listeners", 1)
+        self._patience_s = parameter(self, "patience_s", 30.0)
+        self._clock = self.create_publisher(Clock, topics.CLOCK, RELIABLE)
+        self._fix = self.create_publisher(NavSatFix, topics.FIX, qos_profile_sensor_data)
+        self._velocity = self.create_publisher(
+            TwistStamped, topics.VELOCITY, qos_profile_sensor_data
+        )
+        self._true_helicopter = self.create_publisher(Odometry, topics.TRUE_HELICOPTER, RELIABLE)
+        self._true_uav = self.create_publisher(Odometry, topics.TRUE_UAV, RELIABLE)
+        self._true_corner = self.create_publisher(String, topics.TRUE_CORNER, RELIABLE)
+        self._scenario = self.create_publisher(String, topics.SCENARIO, LATCHED)
+        self._scenario.publish(text_message(scenario_text(scenario)))
+        self._corners = list(self._world.corners)
+        self._engage = self.create_client(Trigger, topics.ENGAGE)
+        self._asked: rclpy.Future | None = None
+        self._asked_at = 0.0
+        self._engaged = False
+        self._steps = 0
+        self._executor = SingleThreadedExecutor()
+        self._executor.add_node(self)
+
+    def _make_world(self, scenario: Scenario, track: str) -> World:
+        if self._live:
+            return World(scenario, live=self._await_helicopter())
+        return World(scenario, load_track(Path(track)) if track else None)
+
+    def _await_helicopter(self) -> tuple[Datum, Pose]:
+        """Wait until a real helicopter flies, to begin abeam of it."""
+        found: dict[str, Any] = {}
+        subscriptions = [
+            self.create_subscription(
+                NavSatFix, topics.DATUM, lambda m: found.__setitem__("datum", m), LATCHED
+            ),
+            self.create_subscription(
+                Odometry,
+                topics.HELICOPTER_ODOMETRY,
+                lambda m: found.__setitem__("motion", odometry_to_motion(m)),
+                RELIABLE,
+            ),
+        ]
+        self.get_logger().info(f"waiting for a helicopter in flight on {topics.FIX}")
+        while not ("datum" in found and found.get("motion", STILL).speed_mps > FLYING_MPS):
+            rclpy.spin_once(self, timeout_sec=0.2)
+        for subscription in subscriptions:
+            self.destroy_subscription(subscription)
+        origin = found["datum"]
+        datum = Datum(origin.latitude, origin.longitude, origin.altitude)
+        return datum, found["motion"].pose
+
+    def close(self) -> None:
+        """Close the link."""
+        if self._port is not None:
+            self._port.close()
+
+    def fly(self) -> None:
+        """Wait until the graph listens, then fly to the end. Raises ``ValueError`` when alone."""
+        self._await_graph()
+        begun = time.monotonic()
+        last_spin = 0.0
+        while rclpy.ok() and not self._world.finished:
+            due = begun + self._world.time_s / self._speed
+            now = time.monotonic()
+            if now - due > MAX_SLIP_S:
+                begun += now - due
+            self._listen(max(0.0, due - now))
+            if time.monotonic() < due:
+                continue
+            self._step()
+            if now - last_spin > SPIN_PERIOD_S:
+                last_spin = now
+                self._executor.spin_once(timeout_sec=0.0)
+                self._ask_to_engage(now)
+
+    def _await_graph(self) -> None:
+        """Hold the clock at its start until estimator, planner and bridge are there."""
+        deadline = time.monotonic() + self._patience_s
+        while rclpy.ok():
+            self._publish_clock()
+            self._listen(0.05)
+            self._executor.spin_once(timeout_sec=0.0)
+            if self._server is not None and self._port is not None:
+                self._port.send(self._server.telemetry(self._world.time_s))
+            heard = self._server is None or self._server.gcs_seen
+            listened = self._live or self._fix.get_subscription_count() >= self._listeners
+            if heard and listened and self._engage.service_is_ready():
+                return
+            if time.monotonic() > deadline:
+                missing = [
+                    name
+                    for name, there in (
+                        ("bridge", heard),
+                        ("estimator or recorder", listened),
+                        ("planner", self._engage.service_is_ready()),
+                    )
+                    if not there
+                ]
+                raise ValueError(f"not heard of within {self._patience_s} s: {', '.join(missing)}")
+
+    def _listen(self, timeout_s: float) -> None:
+        """Answer the ground station at once, for at most ``timeout_s`` [s]."""
+        if self._port is None or self._server is None:
+            time.sleep(timeout_s)
+            return
+        now = time.monotonic()
+        for message in self._port.wait(timeout_s):
+            self._port.send(self._server.handle(message, now))
+        self._port.send(self._server.tick(now))
+
+    def _ros_time(self) -> float:
+        if self._live:
+            return now_s(self)
+        return self._world.epoch_s + self._world.time_s
+
+    def _publish_clock(self) -> None:
+        if self._live:
+            return
+        self._clock.publish(Clock(clock=to_stamp(self._ros_time())))
+
+    def _step(self) -> None:
+        receptions = self._world.step()
+        self._steps += 1
+        self._publish_clock()
+        while self._corners and self._corners[0].onset_time_s <= self._world.time_s:
+            self._true_corner.publish(text_message(corner_truth_text(self._corners.pop(0))))
+        for reception in receptions:
+            fix, velocity = reception.fix, reception.velocity
+            if velocity is not None:
+                self._velocity.publish(
+                    velocity_message(fix.time_s, velocity.vx_mps, velocity.vy_mps)
+                )
+            self._fix.publish(fix_to_message(fix))
+        if self._steps % STEPS_PER_TRUTH == 0:
+            self._publish_truth()
+        if self._port is not None and self._server is not None:
+            self._port.send(self._server.telemetry(self._world.time_s))
+
+    def _publish_truth(self) -> None:
+        for topic, message in self._world.truth(self._ros_time()):
+            sender = self._true_uav if topic == topics.TRUE_UAV else self._true_helicopter
+            sender.publish(message)
+
+    def _ask_to_engage(self, now: float) -> None:
+        """Ask the planner to lead the UAV until it does: the simulation is its own operator."""
+        if self._engaged:
+            return
+        if self._asked is not None and self._asked.done():
+            self._engaged = bool(self._asked.result().success)
+            self._asked = None
+        elif self._asked is None and now - self._asked_at > ENGAGE_PERIOD_S / self._speed:
+            self._asked_at = now
+            self._asked = self._engage.call_async(Trigger.Request())
+
+
+def main() -> int:
+    """Fly the scenario; 2 when it cannot be flown."""
+    rclpy.init()
+    node: SimNode | None = None
+    try:
+        node = SimNode()
+        node.fly()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except (ValueError, OSError) as error:
+        sys.stderr.write(f"sim: {error}\n")
+        return 2
+    finally:
+        if node is not None:
+            node.close()
+            node.destroy_node()
+        rclpy.try_shutdown()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
