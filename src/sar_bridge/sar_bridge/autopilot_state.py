@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
 from sar_estimator.geodesy import Datum, valid_position
 from sar_estimator.states import Motion
 
@@ -108,9 +109,7 @@ class AutopilotState:
         mapping = mavutil.mode_mapping_byname(self._vehicle) or {}
         return int(mapping[name])
 
-    def _position(
-        self, message: mavlink.MAVLink_message, ros_s: float, datum: Datum
-    ) -> bool:
+    def _position(self, message: mavlink.MAVLink_message, ros_s: float, datum: Datum) -> bool:
         latitude, longitude = message.lat / 1e7, message.lon / 1e7
         if not valid_position(latitude, longitude) or (message.lat == 0 and message.lon == 0):
             return False

@@ -11,6 +11,12 @@ from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry, Path
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from sensor_msgs.msg import NavSatFix
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from sar_bridge.link import Link
+from sar_bridge.session import AutopilotSession, Messages
 from sar_estimator import topics
 from sar_estimator.geodesy import Datum
 from sar_estimator.messages import (
@@ -22,12 +28,6 @@ from sar_estimator.messages import (
     to_quaternion,
 )
 from sar_estimator.node_support import LATCHED, RELIABLE, now_s, parameter, run_node
-from sensor_msgs.msg import NavSatFix
-from std_msgs.msg import String
-from std_srvs.srv import Trigger
-
-from sar_bridge.link import Link
-from sar_bridge.session import AutopilotSession, Messages
 
 TICK_S = 0.05
 

@@ -8,7 +8,7 @@ from typing import Any
 
 os.environ["MAVLINK20"] = "1"
 
-from pymavlink import mavutil  # noqa: E402
+from pymavlink import mavutil
 
 SOURCE_SYSTEM = 255
 SOURCE_COMPONENT = 190
@@ -31,7 +31,7 @@ def check_url(url: str) -> None:
 
 
 class Link:
-    """An open link. Raises ``ValueError`` for a bad URL and ``OSError`` when it cannot be opened."""
+    """An open link. Raises ``ValueError`` for a bad URL, ``OSError`` when it cannot be opened."""
 
     def __init__(self, url: str) -> None:
         """Open the link."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
 from sar_estimator.geodesy import Datum
 from sar_estimator.states import Motion
 

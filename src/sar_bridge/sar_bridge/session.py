@@ -9,12 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
-from sar_estimator.geodesy import Datum
 
 from sar_bridge.autopilot_state import AutopilotState
 from sar_bridge.commands import Command, CommandQueue
 from sar_bridge.mission_items import FloatArray, first_ahead, waypoint_items
 from sar_bridge.mission_upload import Address, MissionUpload, UploadState
+from sar_estimator.geodesy import Datum
 
 HEARTBEAT_PERIOD_S = 1.0
 LINK_TIMEOUT_S = 3.0

@@ -1,4 +1,4 @@
-"""Has the helicopter begun to slow for a corner, since when, how hard, and where will it stop?
+"""Detection of a deceleration, its onset and strength, and the stop it leads to.
 
 Along a leg the helicopter flies u(t) = u0 + V t; from an unknown onset tau it slows with an unknown
 constant a until it stands. A grid over (tau, a) is compared with "no deceleration" by the exact
@@ -183,9 +183,7 @@ class _Design:
         shapes /= self._rows.sigmas
         shapes_q = shapes @ self._q
         shapes_free = shapes - shapes_q @ self._q.T
-        log_ratio = shapes_free @ self._free - 0.5 * np.einsum(
-            "ij,ij->i", shapes_free, shapes_free
-        )
+        log_ratio = shapes_free @ self._free - 0.5 * np.einsum("ij,ij->i", shapes_free, shapes_free)
         log_weights = log_ratio + log_prior
         peak = float(log_weights.max())
         weights = np.exp(log_weights - peak)

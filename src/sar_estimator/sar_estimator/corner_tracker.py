@@ -9,7 +9,6 @@ import numpy as np
 from sar_estimator.corner_detector import AccelPrior, StopPosterior, stop_posterior
 from sar_estimator.leg import LegFit, LegRow, LegTracker
 from sar_estimator.parameters import EstimatorParameters
-from sar_estimator.plane import Pose
 from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
 
 ONSET_REACH_S = 10.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -103,9 +104,7 @@ class HelicopterEstimator:
         self._accept(fix.time_s, position, covariance, accel_sigma)
         return self.screen.note(fix, Verdict.ACCEPTED)
 
-    def add_velocity(
-        self, time_s: float, vx_mps: float, vy_mps: float, sigma_mps: float
-    ) -> bool:
+    def add_velocity(self, time_s: float, vx_mps: float, vy_mps: float, sigma_mps: float) -> bool:
         """Take a Doppler velocity, not older than the newest fix; return whether it was used."""
         values = (time_s, vx_mps, vy_mps, sigma_mps)
         usable = all(math.isfinite(value) for value in values) and sigma_mps > 0.0
@@ -149,9 +148,7 @@ class HelicopterEstimator:
         self, prediction: MotionEstimate, position: tuple[float, float], covariance: FloatArray
     ) -> bool:
         """Whether a repeated position is believable: the helicopter has hardly moved since."""
-        moved = math.hypot(
-            prediction.motion.x_m - position[0], prediction.motion.y_m - position[1]
-        )
+        moved = math.hypot(prediction.motion.x_m - position[0], prediction.motion.y_m - position[1])
         sigma = math.sqrt(float(np.trace(covariance)) / 2.0)
         return moved <= max(1.5, min(sigma, 3.0)) and prediction.motion.speed_mps < 3.0
 
@@ -186,7 +183,7 @@ class HelicopterEstimator:
             return Verdict.OUTLIER
         recent = self._outliers[-self.parameters.jump_after :]
         sigma = math.sqrt(float(np.trace(covariance)))
-        for (t0, x0, y0), (t1, x1, y1) in zip(recent, recent[1:], strict=False):
+        for (t0, x0, y0), (t1, x1, y1) in pairwise(recent):
             if math.hypot(x1 - x0, y1 - y0) > TOP_SPEED_MPS * (t1 - t0) + 3.0 * sigma:
                 return Verdict.OUTLIER
         self._restart(time_s, position, covariance)

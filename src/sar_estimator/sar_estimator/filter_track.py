@@ -29,9 +29,7 @@ COLUMNS = (
 )
 
 
-def filter_fixes(
-    fixes: list[Fix], estimator: HelicopterEstimator
-) -> list[tuple[float | str, ...]]:
+def filter_fixes(fixes: list[Fix], estimator: HelicopterEstimator) -> list[tuple[float | str, ...]]:
     """Filter a track; one row of ``COLUMNS`` per fix, with NaN where nothing is known yet."""
     rows: list[tuple[float | str, ...]] = []
     for i, fix in enumerate(fixes):

@@ -54,9 +54,7 @@ class FixScreen:
         """Return why a fix cannot be used, None when it can; repeats are only reported."""
         if not fix.has_fix:
             return Verdict.NO_FIX
-        if not (
-            math.isfinite(fix.time_s) and valid_position(fix.latitude_deg, fix.longitude_deg)
-        ):
+        if not (math.isfinite(fix.time_s) and valid_position(fix.latitude_deg, fix.longitude_deg)):
             return Verdict.NOT_FINITE
         if fix.time_s < self._last_time_s:
             return Verdict.OUT_OF_ORDER

@@ -74,8 +74,10 @@ class LegFit:
         for row in rows:
             age = 0.0 if row.is_velocity else row.time_s - self.time_s
             x, y = (0.0, 0.0) if row.is_velocity else self.position_m
-            known = spread[1, 1] if row.is_velocity else (
-                spread[0, 0] + 2.0 * age * spread[0, 1] + age**2 * spread[1, 1]
+            known = (
+                spread[1, 1]
+                if row.is_velocity
+                else (spread[0, 0] + 2.0 * age * spread[0, 1] + age**2 * spread[1, 1])
             )
             across = (row.y - y) * c - (row.x - x) * s
             chi_square += across**2 / (row.sigma**2 + float(known))

@@ -163,18 +163,14 @@ def estimate_to_accel(estimate: MotionEstimate) -> AccelWithCovarianceStamped:
     message.accel.accel.linear.x = estimate.motion.ax_mps2
     message.accel.accel.linear.y = estimate.motion.ay_mps2
     p = estimate.covariance
-    message.accel.covariance = _covariance(
-        {(0, 0): p[2, 2], (0, 1): p[2, 5], (1, 1): p[5, 5]}
-    )
+    message.accel.covariance = _covariance({(0, 0): p[2, 2], (0, 1): p[2, 5], (1, 1): p[5, 5]})
     return message
 
 
 def leg_to_odometry(leg: LegEstimate) -> Odometry:
     """Return a leg as odometry: pose on the leg with its heading, cruise speed along it."""
     c, s = math.cos(leg.foot.heading_rad), math.sin(leg.foot.heading_rad)
-    motion = Motion(
-        leg.time_s, leg.foot.x_m, leg.foot.y_m, leg.speed_mps * c, leg.speed_mps * s
-    )
+    motion = Motion(leg.time_s, leg.foot.x_m, leg.foot.y_m, leg.speed_mps * c, leg.speed_mps * s)
     message = motion_to_odometry(motion, child="helicopter_leg", yaw_rad=leg.foot.heading_rad)
     variance = leg.position_sigma_m**2
     message.pose.covariance = _covariance(
@@ -312,9 +308,7 @@ def fix_to_message(fix: Fix) -> NavSatFix:
     message = NavSatFix()
     message.header.stamp = to_stamp(fix.time_s)
     message.header.frame_id = "gps"
-    message.status.status = (
-        NavSatStatus.STATUS_FIX if fix.has_fix else NavSatStatus.STATUS_NO_FIX
-    )
+    message.status.status = NavSatStatus.STATUS_FIX if fix.has_fix else NavSatStatus.STATUS_NO_FIX
     message.status.service = NavSatStatus.SERVICE_GPS
     message.latitude, message.longitude = fix.latitude_deg, fix.longitude_deg
     message.altitude = fix.altitude_m
@@ -338,9 +332,7 @@ def velocity_message(time_s: float, vx_mps: float, vy_mps: float) -> TwistStampe
 
 def datum_message(datum: Datum, time_s: float) -> NavSatFix:
     """Return the map's origin."""
-    return fix_to_message(
-        Fix(time_s, datum.latitude_deg, datum.longitude_deg, datum.altitude_m)
-    )
+    return fix_to_message(Fix(time_s, datum.latitude_deg, datum.longitude_deg, datum.altitude_m))
 
 
 def text_message(text: object) -> String:

@@ -68,11 +68,11 @@ class MotionFilter:
         self._kf.H = POSITION
 
     def _models(self, dt_s: float, sigma_mps2: float) -> tuple[FloatArray, FloatArray]:
-        both = np.eye(2)
-        return (
-            np.kron(both, singer_transition(dt_s, self._tau_s)),
-            np.kron(both, singer_noise(dt_s, self._tau_s, sigma_mps2)),
-        )
+        transition, noise = np.zeros((6, 6)), np.zeros((6, 6))
+        for axis in (slice(0, 3), slice(3, 6)):
+            transition[axis, axis] = singer_transition(dt_s, self._tau_s)
+            noise[axis, axis] = singer_noise(dt_s, self._tau_s, sigma_mps2)
+        return transition, noise
 
     def predicted(self, time_s: float, sigma_mps2: float) -> MotionEstimate:
         """Return the estimate carried to ``time_s`` [s]; the filter itself stays as it is."""

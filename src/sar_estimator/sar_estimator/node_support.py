@@ -36,9 +36,7 @@ def parameter(node: Node, name: str, default: Any) -> Any:
     if isinstance(default, list):
         value = list(value)
     if type(value) is not type(default):
-        raise ValueError(
-            f"parameter {name} = {value!r}: expected a value like {default!r}"
-        )
+        raise ValueError(f"parameter {name} = {value!r}: expected a value like {default!r}")
     return value
 
 

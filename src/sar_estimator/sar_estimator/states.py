@@ -98,7 +98,7 @@ class CornerEstimate:
 
     @property
     def stopping_distance_m(self) -> float:
-        """s = V^2 / 2a [m]."""
+        """S = V^2 / 2a [m]."""
         return self.speed_mps**2 / (2.0 * self.accel_mps2)
 
     @property

@@ -34,9 +34,7 @@ class Interval:
         low, low_closed = max(
             (self.low_m, not self.low_closed), (other.low_m, not other.low_closed)
         )
-        high, high_closed = min(
-            (self.high_m, self.high_closed), (other.high_m, other.high_closed)
-        )
+        high, high_closed = min((self.high_m, self.high_closed), (other.high_m, other.high_closed))
         met = Interval(low, high, not low_closed, high_closed)
         if low > high or (low == high and not (met.low_closed and met.high_closed)):
             return None
@@ -165,6 +163,6 @@ class PaperAutomaton:
         """Return the automaton of fig. 8 as text: domains, ranges, transitions."""
         lines = [f"{self.name} rules: domains of L(k), ranges of L(k+1), transitions (metres)"]
         for rule, domain in self.domains.items():
-            lines.append(f"{rule} {rule.title:<13} L in {domain!s:<18} -> {self.image(rule)}")
+            lines.append(f"{rule} {rule.label:<13} L in {domain!s:<18} -> {self.image(rule)}")
         lines += [f"  {t.source} -> {t.target}  for L in {t.lags}" for t in self.transitions()]
         return "\n".join(lines)

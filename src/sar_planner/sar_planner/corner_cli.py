@@ -86,7 +86,7 @@ def _print_plan(automaton: PaperAutomaton, lag_m: float, *, as_json: bool) -> No
         sys.stdout.write(json.dumps(values) + "\n")
         return
     sys.stdout.write(
-        f"rule              {plan.rule} ({plan.rule.title})\n"
+        f"rule              {plan.rule} ({plan.rule.label})\n"
         f"L(k)              {plan.lag_m:.4f} m\n"
         f"L(k+1)            {plan.next_lag_m:.4f} m\n"
         f"path length       {plan.path.length_m:.3f} m\n"

@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+
 from sar_estimator.plane import Pose, wrap_angle
 
 FloatArray = NDArray[np.float64]
@@ -126,9 +127,7 @@ class FlightPath:
         for i, segment in enumerate(self.segments):
             chosen = index == i
             if chosen.any():
-                out[chosen] = segment.points(
-                    self.joints[i], distances[chosen] - self._starts_m[i]
-                )
+                out[chosen] = segment.points(self.joints[i], distances[chosen] - self._starts_m[i])
         beyond = index >= len(self.segments)
         if beyond.any():
             over = distances[beyond] - self._starts_m[-1]
@@ -182,9 +181,7 @@ class CornerFrame:
         """Return points, shape (n, 2), of the corner's frame in the map."""
         c, s = math.cos(self.origin.heading_rad), math.sin(self.origin.heading_rad)
         x, y = points[:, 0], self.turn_side * points[:, 1]
-        return np.column_stack(
-            (self.origin.x_m + x * c - y * s, self.origin.y_m + x * s + y * c)
-        )
+        return np.column_stack((self.origin.x_m + x * c - y * s, self.origin.y_m + x * s + y * c))
 
     def path_to_map(self, path: FlightPath) -> FlightPath:
         """Return a path of the corner's frame in the map (arcs mirrored for left turns)."""

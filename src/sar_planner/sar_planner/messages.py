@@ -10,6 +10,9 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point
 from nav_msgs.msg import Path
+from std_msgs.msg import ColorRGBA, Float64, String
+from visualization_msgs.msg import Marker, MarkerArray
+
 from sar_estimator import topics
 from sar_estimator.messages import (
     FRAME,
@@ -19,9 +22,6 @@ from sar_estimator.messages import (
     to_stamp,
 )
 from sar_estimator.states import Motion
-from std_msgs.msg import ColorRGBA, Float64, String
-from visualization_msgs.msg import Marker, MarkerArray
-
 from sar_planner.mission import ActiveCorner, MissionPlanner, Mode, WaypointList
 
 COLOURS = {
@@ -92,8 +92,8 @@ class MarkerTracks:
 
     def message(self, planner: MissionPlanner, time_s: float) -> MarkerArray:
         """Return everything as one array."""
-        plan = [] if planner.list is None else planner.list.points
-        lines = {**self._tracks, "plan": [Point(x=float(x), y=float(y)) for x, y in plan]}
+        plan = () if planner.list is None else planner.list.points.tolist()
+        lines = {**self._tracks, "plan": [Point(x=x, y=y) for x, y in plan]}
         markers = [
             self._marker(i, name, Marker.LINE_STRIP, time_s, points=points)
             for i, (name, points) in enumerate(lines.items())
@@ -107,9 +107,7 @@ class MarkerTracks:
         return MarkerArray(markers=[*markers, text])
 
     @staticmethod
-    def _marker(
-        number: int, name: str, kind: int, time_s: float, *, points: list[Point]
-    ) -> Marker:
+    def _marker(number: int, name: str, kind: int, time_s: float, *, points: list[Point]) -> Marker:
         marker = Marker(ns=name, id=number, type=kind, action=Marker.ADD, points=points)
         marker.header.frame_id = FRAME
         marker.header.stamp = to_stamp(time_s)

@@ -10,9 +10,9 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+
 from sar_estimator.plane import Pose, wrap_angle
 from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
-
 from sar_planner.geometry import CornerFrame, FlightPath, FloatArray
 from sar_planner.parameters import CornerParameters, ParameterError
 from sar_planner.rule_sets import make_rule_set
@@ -240,9 +240,7 @@ class MissionPlanner:
         """Return the horizontal distance between the aircraft [m]."""
         if self.uav is None or self.helicopter is None:
             return None
-        return math.hypot(
-            self.uav.x_m - self.helicopter.x_m, self.uav.y_m - self.helicopter.y_m
-        )
+        return math.hypot(self.uav.x_m - self.helicopter.x_m, self.uav.y_m - self.helicopter.y_m)
 
     @property
     def rule(self) -> str:

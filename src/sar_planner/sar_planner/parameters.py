@@ -44,7 +44,7 @@ class CornerParameters:
 
     @property
     def cut_lag_m(self) -> float:
-        """s + 2 d + (2 - pi/2) R [m], the lower end of T1's domain (4)."""
+        """S + 2 d + (2 - pi/2) R [m], the lower end of T1's domain (4)."""
         r, d = self.turn_radius_m, self.spacing_m
         return self.stopping_m + 2.0 * d + (2.0 - math.pi / 2.0) * r
 

@@ -9,6 +9,10 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry, Path
 from rclpy.node import Node
+from std_msgs.msg import Float64, String
+from std_srvs.srv import Trigger
+from visualization_msgs.msg import MarkerArray
+
 from sar_estimator import topics
 from sar_estimator.messages import (
     odometry_to_leg,
@@ -18,10 +22,6 @@ from sar_estimator.messages import (
 )
 from sar_estimator.node_support import LATCHED, RELIABLE, now_s, parameter, parameters, run_node
 from sar_estimator.states import Phase
-from std_msgs.msg import Float64, String
-from std_srvs.srv import Trigger
-from visualization_msgs.msg import MarkerArray
-
 from sar_planner.messages import (
     MarkerTracks,
     decision_outputs,

@@ -16,7 +16,6 @@ import math
 from dataclasses import dataclass
 
 from sar_estimator.plane import Pose
-
 from sar_planner.geometry import Arc, FlightPath, Straight
 from sar_planner.parameters import CornerParameters
 
@@ -32,7 +31,7 @@ class Rule(enum.StrEnum):
     T4 = "T4"
 
     @property
-    def title(self) -> str:
+    def label(self) -> str:
         """The paper's name of the rule."""
         return {
             Rule.T1: "cut corner",

@@ -11,11 +11,11 @@ import math
 
 import numpy as np
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
 from sar_bridge.mission_items import MissionItem
 from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose, wrap_angle
 from sar_estimator.states import Motion
-
 from sar_sim.scenario import Uav, Wind
 from sar_sim.uav import UavLimits, UavState, ground_motion, step
 
@@ -51,7 +51,14 @@ class SimAutopilot:
     """One airborne UAV and its autopilot; advance it with ``step``."""
 
     def __init__(
-        self, start: Pose, *, speed_mps: float, uav: Uav, wind: Wind, datum: Datum, altitude_m: float
+        self,
+        start: Pose,
+        *,
+        speed_mps: float,
+        uav: Uav,
+        wind: Wind,
+        datum: Datum,
+        altitude_m: float,
     ) -> None:
         """Begin airborne at ``start`` in GUIDED, flying straight on."""
         self._uav, self._datum = uav, datum
@@ -147,9 +154,7 @@ class SimAutopilot:
                 return
 
     def _ends_in_loiter(self) -> bool:
-        return bool(self.items) and (
-            self.items[-1].command == mavlink.MAV_CMD_NAV_LOITER_UNLIM
-        )
+        return bool(self.items) and (self.items[-1].command == mavlink.MAV_CMD_NAV_LOITER_UNLIM)
 
     def _rate_towards(self, x_m: float, y_m: float) -> float:
         """Turn rate [rad/s] of the arc over ground through a point (pure pursuit)."""
@@ -160,9 +165,7 @@ class SimAutopilot:
 
     def _follow_route(self) -> float:
         here = (self.state.x_m, self.state.y_m)
-        reach = max(
-            self._uav.lookahead_m, 3.0 * self._uav.roll_lag_s * self.state.airspeed_mps
-        )
+        reach = max(self._uav.lookahead_m, 3.0 * self._uav.roll_lag_s * self.state.airspeed_mps)
         return self._rate_towards(*lookahead_point(self._route, here, self._leg, reach))
 
     def _follow_circle(self) -> float:

@@ -8,13 +8,14 @@ from __future__ import annotations
 import math
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
 from sar_bridge.mission_items import MissionItem
 from sar_estimator.geodesy import Datum
-
 from sar_sim.autopilot import FlightMode, SimAutopilot
 
 ITEM_TIMEOUT_S = 0.25
 ITEM_RETRIES = 20
+SETTLE_S = 0.2
 POSITION_PERIOD_S = 0.1
 HEARTBEAT_PERIOD_S = 1.0
 
@@ -37,7 +38,12 @@ class AutopilotServer:
         self._asked = 0
         self._next_position_s = 0.0
         self._next_heartbeat_s = 0.0
+        self._settled_s = -math.inf
         self.gcs_seen = False
+
+    def transferring(self, now_s: float) -> bool:
+        """Whether a mission is on its way in, or was just taken and not yet made current."""
+        return self._expected > 0 or now_s < self._settled_s
 
     # Ground station to autopilot ---------------------------------------------------------------
 
@@ -45,24 +51,23 @@ class AutopilotServer:
         """Take a message; return the answers."""
         if getattr(message, "target_system", 1) not in (0, 1):
             return []
-        kind = message.get_type()
         self._partner = (message.get_srcSystem(), message.get_srcComponent())
-        if kind == "HEARTBEAT":
-            self.gcs_seen = True
-            return []
-        if kind == "MISSION_COUNT":
-            return self._count(message, now_s)
-        if kind == "MISSION_ITEM_INT":
-            return self._item(message, now_s)
-        if kind == "COMMAND_LONG":
-            return self._command(message)
-        if kind == "MISSION_REQUEST_LIST":
-            return [
-                mavlink.MAVLink_mission_count_message(*self._partner, len(self._autopilot.items))
-            ]
-        if kind == "MISSION_REQUEST_INT":
-            return self._download(message.seq)
+        handler = {
+            "HEARTBEAT": self._heard,
+            "MISSION_COUNT": self._count,
+            "MISSION_ITEM_INT": self._item,
+            "COMMAND_LONG": self._command,
+            "MISSION_REQUEST_LIST": self._list,
+            "MISSION_REQUEST_INT": self._download,
+        }.get(message.get_type())
+        return [] if handler is None else handler(message, now_s)
+
+    def _heard(self, _message: mavlink.MAVLink_message, _now_s: float) -> Messages:
+        self.gcs_seen = True
         return []
+
+    def _list(self, _message: mavlink.MAVLink_message, _now_s: float) -> Messages:
+        return [mavlink.MAVLink_mission_count_message(*self._partner, len(self._autopilot.items))]
 
     def _count(self, message: mavlink.MAVLink_message, now_s: float) -> Messages:
         if message.mission_type != mavlink.MAV_MISSION_TYPE_MISSION:
@@ -94,12 +99,14 @@ class AutopilotServer:
             return self._ask(now_s)
         self._autopilot.load([self._incoming[seq] for seq in range(self._expected)])
         self._expected = 0
+        self._settled_s = now_s + SETTLE_S
         return [self._ack(mavlink.MAV_MISSION_ACCEPTED)]
 
     def _ack(self, result: int) -> mavlink.MAVLink_message:
         return mavlink.MAVLink_mission_ack_message(*self._partner, result)
 
-    def _download(self, seq: int) -> Messages:
+    def _download(self, message: mavlink.MAVLink_message, _now_s: float) -> Messages:
+        seq = message.seq
         if seq >= len(self._autopilot.items):
             return [self._ack(mavlink.MAV_MISSION_INVALID_SEQUENCE)]
         item = self._autopilot.items[seq]
@@ -118,9 +125,10 @@ class AutopilotServer:
             )
         ]
 
-    def _command(self, message: mavlink.MAVLink_message) -> Messages:
+    def _command(self, message: mavlink.MAVLink_message, _now_s: float) -> Messages:
         result = mavlink.MAV_RESULT_ACCEPTED
         if message.command == mavlink.MAV_CMD_DO_SET_MISSION_CURRENT:
+            self._settled_s = -math.inf
             if not self._autopilot.set_current(int(message.param1)):
                 result = mavlink.MAV_RESULT_DENIED
         elif message.command == mavlink.MAV_CMD_DO_SET_MODE:
@@ -158,8 +166,10 @@ class AutopilotServer:
         out: Messages = []
         if time_s >= self._next_heartbeat_s - 1e-9:
             self._next_heartbeat_s = time_s + HEARTBEAT_PERIOD_S
-            out += [self._heartbeat(), mavlink.MAVLink_mission_current_message(
-                self._autopilot.current)]
+            out += [
+                self._heartbeat(),
+                mavlink.MAVLink_mission_current_message(self._autopilot.current),
+            ]
         if time_s >= self._next_position_s - 1e-9:
             self._next_position_s = time_s + POSITION_PERIOD_S
             out += [self._attitude(time_s), self._position(time_s)]

@@ -6,12 +6,30 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from rosbags.highlevel import AnyReader
-from rosbags.interfaces import Connection, Qos, QosDurability, QosHistory, QosLiveliness
-from rosbags.interfaces import QosReliability, QosTime
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.interfaces import (
+    Connection,
+    Qos,
+    QosDurability,
+    QosHistory,
+    QosLiveliness,
+    QosReliability,
+    QosTime,
+)
+from rosbags.rosbag2 import ReaderError, StoragePlugin, Writer, WriterError
+from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
 
+BAG_ERRORS = (
+    AnyReaderError,
+    ReaderError,
+    WriterError,
+    SerdeError,
+    OSError,
+    ValueError,
+    KeyError,
+    AssertionError,
+)
 TYPESTORE = get_typestore(Stores.ROS2_JAZZY)
 UNLIMITED = QosTime(sec=9223372036, nsec=854775807)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -58,13 +59,15 @@ def _squares(xy_m: FloatArray, half_m: float) -> list[Polygon]:
     at = np.linspace(0.0, along[-1], count)
     points = np.column_stack([np.interp(at, along, xy_m[:, axis]) for axis in (0, 1)])
     hulls = []
-    for a, b in zip(points, points[1:], strict=False):
+    for a, b in pairwise(points):
         length = float(np.hypot(*(b - a)))
         if length < 1e-6:
             continue
         ahead = (b - a) / length * half_m
         left = np.array((-ahead[1], ahead[0]))
-        hulls.append(Polygon([a - ahead + left, a - ahead - left, b + ahead - left, b + ahead + left]))
+        hulls.append(
+            Polygon([a - ahead + left, a - ahead - left, b + ahead - left, b + ahead + left])
+        )
     return hulls
 
 

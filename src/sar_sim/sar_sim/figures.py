@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
+from matplotlib.ticker import MaxNLocator
 from shapely.geometry.base import BaseGeometry
 
 from sar_sim.coverage import Coverage, swath
@@ -81,7 +82,7 @@ def draw_map(data: FlightData, area: Coverage | None, out: Path) -> None:
 def corner_to_draw(data: FlightData) -> int | None:
     """Return the corner that is drawn close up: the first that cuts, else the first."""
     cuts = [k for k, item in sorted(data.planned.items()) if item.last["rule"] == "T1"]
-    return (cuts or sorted(data.planned) or [None])[0]
+    return next(iter(cuts or sorted(data.planned)), None)
 
 
 def draw_corner(data: FlightData, k: int | None, out: Path) -> None:
@@ -106,12 +107,12 @@ def draw_corner(data: FlightData, k: int | None, out: Path) -> None:
         path = np.array(record["path"])
         axes.plot(*path.T, "--", color=PLAN, lw=1.5, label="UAV, planned")
         low, high = path.min(axis=0) - 150.0, path.max(axis=0) + 150.0
-        near = item.waypoints[
-            np.all((item.waypoints > low) & (item.waypoints < high), axis=1)
-        ]
+        near = item.waypoints[np.all((item.waypoints > low) & (item.waypoints < high), axis=1)]
         if len(near):
             axes.plot(*near.T, "x", color="k", ms=6, label="commanded waypoints")
-        axes.plot(*first["stop"][:2], "o", mfc="none", mec="k", ms=14, label="first corner estimate")
+        axes.plot(
+            *first["stop"][:2], "o", mfc="none", mec="k", ms=14, label="first corner estimate"
+        )
         axes.plot(*record["stop"][:2], "k+", ms=12, mew=2, label="final corner estimate")
         axes.legend(loc="best", fontsize=9)
     figure.savefig(out, dpi=110)
@@ -131,13 +132,18 @@ def draw_lag(metrics: dict[str, Any], out: Path) -> None:
     predicted = metrics["next_lag_predicted_m"]
     if predicted:
         axes.plot(
-            range(2, len(predicted) + 2), predicted, "_", color=PLAN, ms=16, mew=2,
+            range(2, len(predicted) + 2),
+            predicted,
+            "_",
+            color=PLAN,
+            ms=16,
+            mew=2,
             label="predicted for the next corner",
         )
     axes.set_xlabel("corner k")
     axes.set_ylabel("lag L, m")
     axes.set_title("UAV's lag when the helicopter begins to slow")
     axes.grid(visible=True, alpha=0.3)
-    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.legend(loc="best", fontsize=9)
     figure.savefig(out, dpi=110)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from sar_estimator import topics
 from sar_estimator.messages import (
     from_stamp,
@@ -15,7 +16,6 @@ from sar_estimator.messages import (
     path_to_points,
     to_yaw,
 )
-
 from sar_sim.bag import read_messages
 from sar_sim.coverage import FloatArray
 
@@ -107,9 +107,7 @@ def read_flight(bag: Path) -> FlightData:
         else:
             texts.setdefault(topic, []).append(json.loads(message.data))
     planned = {
-        k: PlannedCorner(
-            found, lists.get(round(found[-1]["list_time_s"], 6), np.empty((0, 2)))
-        )
+        k: PlannedCorner(found, lists.get(round(found[-1]["list_time_s"], 6), np.empty((0, 2))))
         for k, found in records.items()
     }
     return FlightData(
@@ -123,9 +121,7 @@ def read_flight(bag: Path) -> FlightData:
     )
 
 
-def _track(
-    samples: dict[str, list[tuple[float, float, float, float]]], *preferred: str
-) -> Track:
+def _track(samples: dict[str, list[tuple[float, float, float, float]]], *preferred: str) -> Track:
     for topic in preferred:
         if topic in samples:
             values = np.array(samples[topic])

@@ -7,9 +7,9 @@ import math
 import sys
 from pathlib import Path
 
-from sar_planner.rule_sets import RULE_SETS
 from tqdm import tqdm
 
+from sar_planner.rule_sets import RULE_SETS
 from sar_sim.bag import BagWriter
 from sar_sim.offline import OfflineFlight, Progress
 from sar_sim.options import (
@@ -32,6 +32,13 @@ def status_line(progress: Progress) -> str:
         f" L {'–' if lag is None else f'{lag:7.1f} m'}"
         f" separation {'–' if apart is None else f'{apart:6.0f} m'}"
     )
+
+
+def offline_track(helicopter: str) -> Path | None:
+    """Return the track to fly, None for the simulated pilot. Raises ``ValueError`` for a topic."""
+    if helicopter == "topic":
+        raise ValueError("--helicopter topic: expected sim, a CSV file or a bag, offline")
+    return None if helicopter == "sim" else Path(helicopter)
 
 
 def fly(
@@ -71,9 +78,7 @@ def main(argv: list[str] | None = None) -> int:
     args = parser.parse_args(argv)
     try:
         scenario = scenario_from(args)
-        track = None if args.helicopter == "sim" else Path(args.helicopter)
-        if args.helicopter == "topic":
-            raise ValueError("--helicopter topic: expected sim, a CSV file or a bag, offline")
+        track = offline_track(args.helicopter)
         out = new_run_folder(args.out)
         metrics = fly(
             scenario, out, rules=args.rules, truth=args.truth, track=track, quiet=args.quiet

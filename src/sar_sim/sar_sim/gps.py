@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+
 from sar_estimator.fixes import Fix
 from sar_estimator.geodesy import Datum
-
 from sar_sim.helicopter import PatternHelicopter
 from sar_sim.scenario import Gps
 

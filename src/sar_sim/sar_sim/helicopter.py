@@ -11,9 +11,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+
 from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
-
 from sar_sim.scenario import Pattern, Pilot
 
 
@@ -106,9 +106,7 @@ class PatternHelicopter:
             onset_s, onset = self.end_s, self._end
             self._add(speed, -accel, speed / accel)
             stop = self._end
-            self.corners.append(
-                CornerTruth(i + 1, onset_s, onset, self.end_s, stop, speed, accel)
-            )
+            self.corners.append(CornerTruth(i + 1, onset_s, onset, self.end_s, stop, speed, accel))
             self._add(0.0, 0.0, pilot.hover_s)
             self._end = Pose(
                 stop.x_m, stop.y_m, stop.heading_rad - pattern.turn_side * math.pi / 2.0

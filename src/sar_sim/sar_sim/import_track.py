@@ -9,10 +9,10 @@ from pathlib import Path
 
 from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import WriterError
+
 from sar_estimator import topics
 from sar_estimator.messages import fix_to_message
 from sar_estimator.track_csv import read_track
-
 from sar_sim.bag import BagWriter
 
 

@@ -17,13 +17,13 @@ from ament_index_python.packages import get_package_prefix
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+
 from sar_bridge.link import check_url
 from sar_estimator import topics
 from sar_estimator.node_support import RELIABLE
-
 from sar_planner.parameters import ParameterError
 from sar_planner.rule_sets import RULE_SETS, make_rule_set
-
+from sar_sim.bag import BAG_ERRORS
 from sar_sim.launch_plan import FlightOptions, NodeSpec, parameter_document, plan_nodes, read_tuned
 from sar_sim.options import (
     add_flight_options,
@@ -170,9 +170,7 @@ def prepare(args: argparse.Namespace) -> tuple[list[NodeSpec], Path]:
     out = new_run_folder(args.out).resolve()
     flown = out / "scenario.yaml"
     flown.write_text(yaml.safe_dump(scenario_document(scenario)), encoding="utf-8")
-    return plan_nodes(
-        scenario, flown, options, bag=out / "bag", port=free_port(), tuned=tuned
-    ), out
+    return plan_nodes(scenario, flown, options, bag=out / "bag", port=free_port(), tuned=tuned), out
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -209,7 +207,7 @@ def main(argv: list[str] | None = None) -> int:
     try:
         metrics = write_report(flight.bag, out)
         sys.stdout.write(f"{summary_line(metrics)}\n{out}/report.html\n")
-    except Exception as error:  # whatever a bag cut short by a failure brings
+    except BAG_ERRORS as error:
         sys.stderr.write(f"launch: no report: {error}\n")
         return 1
     return 0 if failed is None else 1

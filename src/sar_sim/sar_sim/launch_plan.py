@@ -109,7 +109,9 @@ def plan_nodes(
         NodeSpec(
             spec.package,
             spec.executable,
-            tuned.get(spec.executable, {}) | spec.parameters | ({} if spec.executable == "sim" else clock),
+            tuned.get(spec.executable, {})
+            | spec.parameters
+            | ({} if spec.executable == "sim" else clock),
         )
         for spec in specs
     ]

@@ -6,8 +6,8 @@ import math
 from typing import Any
 
 import numpy as np
-from sar_estimator.plane import Pose
 
+from sar_estimator.plane import Pose
 from sar_sim.coverage import Coverage, FloatArray, ideal_tracks, measure
 from sar_sim.flight_data import FlightData
 from sar_sim.scenario import Sensor
@@ -51,7 +51,9 @@ def extra_path_m(data: FlightData, k: int) -> float | None:
     along = np.array([finish.along(x, y) for x, y in track.xy_m])
     near = np.array([abs(finish.across(x, y)) < 150.0 for x, y in track.xy_m])
     crossed = np.flatnonzero((along[1:] >= 0.0) & (along[:-1] < 0.0) & near[1:])
-    crossed = crossed[track.times_s[crossed] - onset > 0.5 * record["length_m"] / record["speed_mps"]]
+    crossed = crossed[
+        track.times_s[crossed] - onset > 0.5 * record["length_m"] / record["speed_mps"]
+    ]
     if crossed.size == 0:
         return None
     last = int(crossed[0])

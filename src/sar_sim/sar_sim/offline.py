@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from rclpy.serialization import serialize_message
+
 from sar_bridge.mission_items import first_ahead, waypoint_items
 from sar_estimator import topics
 from sar_estimator.estimator import HelicopterEstimator
@@ -28,7 +29,6 @@ from sar_planner.messages import (
     status_outputs,
 )
 from sar_planner.mission import MissionParameters, MissionPlanner, Mode, UavStatus, WaypointList
-
 from sar_sim.autopilot import FlightMode
 from sar_sim.bag import BagWriter
 from sar_sim.gps import Reception
@@ -233,10 +233,6 @@ class OfflineFlight:
         """Hand a list to the autopilot as the bridge does, at once."""
         autopilot = self.world.autopilot
         ahead = first_ahead(waypoints.points, autopilot.motion)
-        autopilot.load(
-            waypoint_items(waypoints.points, self.world.datum, autopilot.altitude_m)
-        )
+        autopilot.load(waypoint_items(waypoints.points, self.world.datum, autopilot.altitude_m))
         autopilot.set_current(ahead + 1)
         autopilot.set_mode(FlightMode.AUTO)
-
-

@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from sar_estimator.parameters import EstimatorParameters
-
 from sar_sim.scenario import Scenario, ScenarioError, load_scenario
 
 RECORDED_FIX_SIGMA_M = 10.0

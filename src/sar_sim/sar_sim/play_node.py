@@ -11,13 +11,13 @@ import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rosgraph_msgs.msg import Clock
 from rosbags.interfaces import Connection, QosDurability
+from rosgraph_msgs.msg import Clock
+
 from sar_estimator import topics
 from sar_estimator.messages import to_stamp
 from sar_estimator.node_support import LATCHED, RELIABLE
-
-from sar_sim.bag import open_bag
+from sar_sim.bag import BAG_ERRORS, open_bag
 from sar_sim.message_types import get_message
 
 START_DELAY_S = 1.0
@@ -86,7 +86,7 @@ def main(argv: list[str] | None = None) -> int:
         count = node.play()
     except (KeyboardInterrupt, ExternalShutdownException):
         return 0
-    except Exception as error:  # rosbags raises its own for every kind of broken bag
+    except BAG_ERRORS as error:
         sys.stderr.write(f"play: {args.bag}: {error}\n")
         return 2
     finally:

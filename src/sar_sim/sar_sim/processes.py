@@ -65,5 +65,3 @@ def folder_bytes(folder: Path) -> int:
     if not folder.is_dir():
         return 0
     return sum(item.stat().st_size for item in folder.iterdir() if item.is_file())
-
-

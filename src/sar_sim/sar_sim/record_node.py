@@ -12,7 +12,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosbags.rosbag2 import WriterError
 
 from sar_estimator.node_support import now_s, parameter, run_node
-
 from sar_sim.bag import BagWriter, known_type
 from sar_sim.message_types import get_message
 

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from sar_sim.bag import BAG_ERRORS
 from sar_sim.report import write_report
 
 
@@ -30,7 +31,7 @@ def main(argv: list[str] | None = None) -> int:
     out = args.out or args.bag.parent
     try:
         metrics = write_report(args.bag, out)
-    except Exception as error:  # rosbags raises its own for every kind of broken bag
+    except BAG_ERRORS as error:
         sys.stderr.write(f"report: {args.bag}: {error}\n")
         return 2
     sys.stdout.write(f"{summary_line(metrics)}\n{out}/report.html\n")

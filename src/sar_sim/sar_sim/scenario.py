@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, get_type_hints
 
 import yaml
+
 from sar_estimator.geodesy import Datum
 from sar_planner.parameters import CornerParameters
 
@@ -115,31 +116,64 @@ class Scenario:
 
     def __post_init__(self) -> None:
         """Check every bound that the types do not."""
-        _expect("sensor.footprint", self.sensor.footprint, "disc or square",
-                ok=self.sensor.footprint in ("disc", "square"))
-        _expect("sensor.sweep_deg", self.sensor.sweep_deg, "between 0 and 180",
-                ok=0.0 < self.sensor.sweep_deg < 180.0)
-        _expect("sensor.redundancy", self.sensor.redundancy, "0 or more, less than 1",
-                ok=0.0 <= self.sensor.redundancy < 1.0)
-        _expect("pattern.turn_side", self.pattern.turn_side, "1 (right) or -1 (left)",
-                ok=self.pattern.turn_side in (1, -1))
+        _expect(
+            "sensor.footprint",
+            self.sensor.footprint,
+            "disc or square",
+            ok=self.sensor.footprint in ("disc", "square"),
+        )
+        _expect(
+            "sensor.sweep_deg",
+            self.sensor.sweep_deg,
+            "between 0 and 180",
+            ok=0.0 < self.sensor.sweep_deg < 180.0,
+        )
+        _expect(
+            "sensor.redundancy",
+            self.sensor.redundancy,
+            "0 or more, less than 1",
+            ok=0.0 <= self.sensor.redundancy < 1.0,
+        )
+        _expect(
+            "pattern.turn_side",
+            self.pattern.turn_side,
+            "1 (right) or -1 (left)",
+            ok=self.pattern.turn_side in (1, -1),
+        )
         _expect("pattern.corners", self.pattern.corners, "1 or more", ok=self.pattern.corners >= 1)
         _expect("gps.rate_hz", self.gps.rate_hz, "0.5 to 10", ok=0.5 <= self.gps.rate_hz <= 10.0)
-        _expect("gps.dropout", self.gps.dropout, "0 or more, less than 1",
-                ok=0.0 <= self.gps.dropout < 1.0)
-        _expect("uav.min_radius_m", self.uav.min_radius_m, "not more than corner.turn_radius_m",
-                ok=0.0 < self.uav.min_radius_m <= self.corner.turn_radius_m)
+        _expect(
+            "gps.dropout",
+            self.gps.dropout,
+            "0 or more, less than 1",
+            ok=0.0 <= self.gps.dropout < 1.0,
+        )
+        _expect(
+            "uav.min_radius_m",
+            self.uav.min_radius_m,
+            "not more than corner.turn_radius_m",
+            ok=0.0 < self.uav.min_radius_m <= self.corner.turn_radius_m,
+        )
         for group, name in (
-            ("sensor", "altitude_m"), ("pattern", "first_leg_m"), ("pattern", "last_leg_m"),
-            ("pattern", "track_spacing_m"), ("uav", "accel_limit_mps2"), ("uav", "lookahead_m"),
+            ("sensor", "altitude_m"),
+            ("pattern", "first_leg_m"),
+            ("pattern", "last_leg_m"),
+            ("pattern", "track_spacing_m"),
+            ("uav", "accel_limit_mps2"),
+            ("uav", "lookahead_m"),
             ("uav", "loiter_radius_m"),
         ):
             value = getattr(getattr(self, group), name)
             _expect(f"{group}.{name}", value, "more than 0", ok=value > 0.0)
         for group, name in (
-            ("pilot", "speed_sigma_mps"), ("pilot", "accel_spread"), ("pilot", "corner_sigma_m"),
-            ("pilot", "hover_s"), ("gps", "sigma_m"), ("gps", "doppler_sigma_mps"),
-            ("uav", "roll_lag_s"), ("wind", "speed_mps"),
+            ("pilot", "speed_sigma_mps"),
+            ("pilot", "accel_spread"),
+            ("pilot", "corner_sigma_m"),
+            ("pilot", "hover_s"),
+            ("gps", "sigma_m"),
+            ("gps", "doppler_sigma_mps"),
+            ("uav", "roll_lag_s"),
+            ("wind", "speed_mps"),
         ):
             value = getattr(getattr(self, group), name)
             _expect(f"{group}.{name}", value, "0 or more", ok=value >= 0.0)
@@ -152,19 +186,20 @@ def _expect(key: str, value: object, expected: str, *, ok: bool) -> None:
 
 
 def _convert(key: str, value: object, wanted: object) -> Any:
+    """Return a YAML value as a field's type. Raises ``ScenarioError`` naming the key."""
     if isinstance(wanted, type) and is_dataclass(wanted):
         return _build(wanted, value, key)
-    numeric = isinstance(value, int | float) and not isinstance(value, bool)
     if wanted is str and isinstance(value, str):
         return value
-    if wanted is int and numeric and float(value) == int(value):  # type: ignore[arg-type]
-        return int(value)  # type: ignore[call-overload]
-    if wanted not in (str, int) and numeric and math.isfinite(value):  # type: ignore[arg-type]
-        return float(value)  # type: ignore[arg-type]
     if value is None and wanted == (float | None):
         return None
-    names = {str: "a text", int: "a whole number"}
-    raise ScenarioError(f"{key} = {value!r}: expected {names.get(wanted, 'a number')}")  # type: ignore[call-overload]
+    if wanted is not str and isinstance(value, int | float) and not isinstance(value, bool):
+        if wanted is int and float(value).is_integer():
+            return int(value)
+        if wanted is not int and math.isfinite(value):
+            return float(value)
+    expected = "a text" if wanted is str else "a whole number" if wanted is int else "a number"
+    raise ScenarioError(f"{key} = {value!r}: expected {expected}")
 
 
 def _build(kind: Any, value: object, prefix: str) -> Any:

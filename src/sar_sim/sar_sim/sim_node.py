@@ -17,6 +17,10 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import NavSatFix
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
 from sar_estimator import topics
 from sar_estimator.geodesy import Datum
 from sar_estimator.messages import (
@@ -29,21 +33,18 @@ from sar_estimator.messages import (
 from sar_estimator.node_support import LATCHED, RELIABLE, now_s, parameter
 from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
-from sensor_msgs.msg import NavSatFix
-from std_msgs.msg import String
-from std_srvs.srv import Trigger
-
 from sar_sim.autopilot_server import AutopilotServer
 from sar_sim.offline import corner_truth_text, scenario_text
 from sar_sim.scenario import Scenario, load_scenario
 from sar_sim.tracks import load_track
 from sar_sim.udp_port import UdpPort
-from sar_sim.world import STEP_S, World
+from sar_sim.world import World
 
 STEPS_PER_TRUTH = 2
 SPIN_PERIOD_S = 0.02
 ENGAGE_PERIOD_S = 0.5
 MAX_SLIP_S = 0.5
+MAX_HOLD_S = 2.0
 FLYING_MPS = 5.0
 STILL = Motion(0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -61,14 +62,14 @@ class SimNode(Node):
         if not 0.0 < self._speed <= 100.0:
             raise ValueError(f"parameter speed = {self._speed}: expected 0 to 100")
         track = parameter(self, "track", "")
-        self._live = parameter(self, "live_helicopter", False)
+        self._live = parameter(self, "live_helicopter", default=False)
         if self._live:
             self._speed = 1.0
         scenario = load_scenario(Path(path))
         self._world = self._make_world(scenario, track)
         self._port: UdpPort | None = None
         self._server: AutopilotServer | None = None
-        if parameter(self, "uav", True):
+        if parameter(self, "uav", default=True):
             self._port = UdpPort(parameter(self, "mavlink_port", 14550))
             self._server = AutopilotServer(self._world.autopilot, self._world.datum)
         self._listeners = parameter(self, "wait_for_listeners", 1)
@@ -131,6 +132,7 @@ class SimNode(Node):
         begun = time.monotonic()
         last_spin = 0.0
         while rclpy.ok() and not self._world.finished:
+            begun += self._hold()
             due = begun + self._world.time_s / self._speed
             now = time.monotonic()
             if now - due > MAX_SLIP_S:
@@ -143,6 +145,22 @@ class SimNode(Node):
                 last_spin = now
                 self._executor.spin_once(timeout_sec=0.0)
                 self._ask_to_engage(now)
+
+    def _hold(self) -> float:
+        """Let the clock stand while a mission is transferred; return for how long [s].
+
+        A transfer takes as long at any speed, and must not count ``speed`` times.
+        """
+        begun = now = time.monotonic()
+        while (
+            self._server is not None
+            and self._speed > 1.0
+            and self._server.transferring(now)
+            and now - begun < MAX_HOLD_S
+        ):
+            self._listen(0.002)
+            now = time.monotonic()
+        return (now - begun) * (1.0 - 1.0 / self._speed)
 
     def _await_graph(self) -> None:
         """Hold the clock at its start until estimator, planner and bridge are there."""

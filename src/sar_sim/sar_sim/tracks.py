@@ -8,8 +8,7 @@ from sar_estimator import topics
 from sar_estimator.fixes import Fix
 from sar_estimator.messages import message_to_fix
 from sar_estimator.track_csv import read_track
-
-from sar_sim.bag import read_messages
+from sar_sim.bag import BAG_ERRORS, read_messages
 
 
 def load_track(path: Path) -> list[Fix]:
@@ -20,7 +19,7 @@ def load_track(path: Path) -> list[Fix]:
         return read_track(path)
     try:
         fixes = [message_to_fix(message) for _, _, message in read_messages(path, {topics.FIX})]
-    except Exception as error:
+    except BAG_ERRORS as error:
         raise ValueError(f"{path}: not a bag: {error}") from error
     if not fixes:
         raise ValueError(f"{path}: no messages on {topics.FIX}")

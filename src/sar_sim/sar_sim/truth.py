@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
+
 from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose
 from sar_estimator.states import CornerEstimate, LegEstimate, MotionEstimate, Phase
-
 from sar_sim.helicopter import CornerTruth, PatternHelicopter
 
 

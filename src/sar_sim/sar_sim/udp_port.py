@@ -16,7 +16,7 @@ class UdpPort:
         """Open a socket; ``system`` and ``component`` sign what is sent."""
         self._target = ("127.0.0.1", port)
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.setblocking(False)
+        self._socket.settimeout(0.0)
         self._mav = mavlink.MAVLink(None, srcSystem=system, srcComponent=component)
         self._mav.robust_parsing = True
 

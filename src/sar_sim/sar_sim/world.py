@@ -6,12 +6,12 @@ import math
 from dataclasses import replace
 
 from nav_msgs.msg import Odometry
+
 from sar_estimator import topics
 from sar_estimator.fixes import Fix
 from sar_estimator.geodesy import Datum
 from sar_estimator.messages import motion_to_odometry
 from sar_estimator.plane import Pose
-
 from sar_sim.autopilot import SimAutopilot
 from sar_sim.gps import FixSource, NoReceiver, Reception, RecordedTrack, SimulatedGps
 from sar_sim.helicopter import CornerTruth, PatternHelicopter
