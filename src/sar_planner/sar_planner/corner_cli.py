@@ -12,7 +12,7 @@ import yaml
 from sar_planner.automaton import PaperAutomaton
 from sar_planner.parameters import CornerParameters, ParameterError
 from sar_planner.rule_sets import RULE_SETS, make_rule_set
-from sar_planner.rules import CornerPlan, NoPathError
+from sar_planner.rules import CornerPlan, NoPathError, Rule, build
 from sar_planner.separation import closest_approach
 
 FIELDS = {
@@ -29,6 +29,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="corner", description=__doc__)
     parser.add_argument("--lag", type=float, help="L(k), the UAV's lag in metres")
     parser.add_argument("--rules", choices=RULE_SETS, default="paper")
+    parser.add_argument("--rule", choices=tuple(Rule), help="this rule, whatever its domain")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--graph", action="store_true", help="print the automaton (fig. 8)")
     parser.add_argument("--params", type=Path, help="YAML file of corner parameters")
@@ -79,8 +80,7 @@ def summary(plan: CornerPlan) -> dict[str, object]:
     }
 
 
-def _print_plan(automaton: PaperAutomaton, lag_m: float, *, as_json: bool) -> None:
-    plan = automaton.plan(lag_m)
+def _print_plan(plan: CornerPlan, *, as_json: bool) -> None:
     values = summary(plan)
     if as_json:
         sys.stdout.write(json.dumps(values) + "\n")
@@ -98,6 +98,12 @@ def _print_plan(automaton: PaperAutomaton, lag_m: float, *, as_json: bool) -> No
         sys.stdout.write(f"{x:10.2f} {y:10.2f}\n")
 
 
+def _plan(automaton: PaperAutomaton, lag_m: float, rule: str | None) -> CornerPlan:
+    if rule is None:
+        return automaton.plan(lag_m)
+    return build(Rule(rule), lag_m, automaton.parameters)
+
+
 def main(argv: list[str] | None = None) -> int:
     """Run the command; 2 on bad input."""
     args = _arguments(argv)
@@ -106,7 +112,7 @@ def main(argv: list[str] | None = None) -> int:
         if args.graph:
             sys.stdout.write(automaton.describe() + "\n")
         if args.lag is not None:
-            _print_plan(automaton, args.lag, as_json=args.json)
+            _print_plan(_plan(automaton, args.lag, args.rule), as_json=args.json)
     except (ParameterError, NoPathError, ValueError, OSError) as error:
         sys.stderr.write(f"corner: {error}\n")
         return 2

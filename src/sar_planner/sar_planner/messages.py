@@ -22,7 +22,7 @@ from sar_estimator.messages import (
     to_stamp,
 )
 from sar_estimator.states import Motion
-from sar_planner.mission import ActiveCorner, MissionPlanner, Mode, WaypointList
+from sar_planner.mission import ActiveCorner, MissionPlanner, Mode, UavStatus, WaypointList
 
 COLOURS = {
     "helicopter": (0.85, 0.35, 0.0, 1.0),
@@ -137,6 +137,17 @@ def status_outputs(planner: MissionPlanner) -> list[tuple[str, String | Float64]
     if lag is not None:
         found.append((topics.LAG, Float64(data=lag)))
     return found
+
+
+def status_from_text(text: str) -> UavStatus:
+    """Return the autopilot's status from its JSON. Raises ``ValueError`` when it is not one."""
+    try:
+        values = json.loads(text)
+        return UavStatus(
+            str(values["mode"]), armed=bool(values["armed"]), connected=bool(values["connected"])
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"{text[:80]!r}: expected mode, armed and connected") from error
 
 
 def planner_diagnostics(planner: MissionPlanner, time_s: float) -> DiagnosticArray:

@@ -139,6 +139,7 @@ class MissionPlanner:
         self._planned: CornerEstimate | None = None
         self._lists = 0
         self._done_corner = 0
+        self._went_on = False
 
     # What is known -----------------------------------------------------------------------------
 
@@ -171,12 +172,15 @@ class MissionPlanner:
 
     def set_phase(self, phase: Phase) -> None:
         """Take the helicopter's phase."""
+        if self.phase is Phase.DECELERATING and phase in (Phase.CRUISE, Phase.ACCELERATING):
+            self._went_on = True
         self.phase = phase
 
     def set_corner(self, estimate: CornerEstimate) -> None:
         """Take a prediction, or a refinement, of the corner ahead."""
         if self._is_new(estimate):
             self.corners_seen += 1
+            self._went_on = False
         self._estimate = estimate
 
     def _is_new(self, estimate: CornerEstimate) -> bool:
@@ -290,13 +294,13 @@ class MissionPlanner:
                 self._slot = end
 
     def _is_withdrawn(self) -> bool:
-        went_on = self.phase in (Phase.CRUISE, Phase.ACCELERATING)
+        """Whether the helicopter went on without stopping where it was expected to."""
         assert self.active is not None
-        before_stop = (
-            self.helicopter is not None
+        return (
+            self._went_on
+            and self.helicopter is not None
             and self.helicopter.time_s < self.active.estimate.stop_time_s - 1.0
         )
-        return went_on and before_stop
 
     def _leave_corner(self) -> None:
         assert self.active is not None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 
 import numpy as np
@@ -27,9 +26,10 @@ from sar_planner.messages import (
     decision_outputs,
     mission_message,
     planner_diagnostics,
+    status_from_text,
     status_outputs,
 )
-from sar_planner.mission import MissionParameters, MissionPlanner, Mode, UavStatus
+from sar_planner.mission import MissionParameters, MissionPlanner, Mode
 from sar_planner.parameters import CornerParameters
 
 
@@ -87,9 +87,13 @@ class PlannerNode(Node):
             self._planner.set_phase(Phase(message.data))
 
     def _on_state(self, message: String) -> None:
-        values = json.loads(message.data)
+        try:
+            status = status_from_text(message.data)
+        except ValueError as error:
+            self.get_logger().warning(f"{topics.UAV_STATE}: {error}", throttle_duration_sec=5.0)
+            return
         was = self._planner.mode
-        self._planner.set_status(UavStatus(values["mode"], values["armed"], values["connected"]))
+        self._planner.set_status(status)
         if was is not Mode.IDLE and self._planner.mode is Mode.IDLE:
             self._withdraw()
 

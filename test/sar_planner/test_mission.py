@@ -1,0 +1,277 @@
+"""The planner's modes: every mode is driven by every event, and by whole corners."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sar_estimator.plane import Pose
+from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
+from sar_planner.messages import (
+    corner_record,
+    decision_outputs,
+    planner_diagnostics,
+    status_outputs,
+)
+from sar_planner.mission import MissionParameters, MissionPlanner, Mode, UavStatus
+from sar_planner.parameters import CornerParameters, ParameterError
+
+FLYING = UavStatus("AUTO", armed=True, connected=True)
+
+
+def planner(**changes):
+    return MissionPlanner(CornerParameters(), MissionParameters(**changes))
+
+
+def leg(time_s=0.0, x=0.0, heading=0.0):
+    return LegEstimate(time_s, Pose(x, 0.0, heading), 20.0, 1.0, 0.001, 0.1)
+
+
+def corner(onset_s, *, time_s=None, stop_x=80.0, accel=2.5, speed=20.0):
+    return CornerEstimate(
+        time_s=onset_s if time_s is None else time_s,
+        stop=Pose(stop_x, 0.0, 0.0),
+        stop_time_s=onset_s + speed / accel,
+        speed_mps=speed,
+        accel_mps2=accel,
+        covariance=np.zeros((2, 2)),
+        heading_sigma_rad=0.0,
+        stop_time_sigma_s=0.0,
+    )
+
+
+def on_leg(lag, time_s=100.0, **changes):
+    """A planner engaged on a leg along +x, the helicopter at x = 0 at ``time_s``."""
+    plan = planner(**changes)
+    plan.set_status(FLYING)
+    plan.set_helicopter(Motion(time_s, 0.0, 0.0, 20.0, 0.0))
+    side = changes.get("turn_side", 1)
+    plan.set_uav(Motion(time_s, -lag, -side * 250.0, 20.0, 0.0))
+    plan.set_phase(Phase.CRUISE)
+    plan.set_leg(leg(time_s))
+    assert plan.engage(time_s) == ""
+    return plan
+
+
+def test_engage_says_what_is_missing():
+    plan = planner()
+    assert plan.engage(0.0) == "no heartbeat from the autopilot"
+    plan.set_status(UavStatus("AUTO", armed=False, connected=True))
+    assert "not armed" in plan.engage(0.0)
+    plan.set_status(UavStatus("MANUAL", armed=True, connected=True))
+    assert "mode MANUAL: expected AUTO or GUIDED" in plan.engage(0.0)
+    plan.set_status(FLYING)
+    assert plan.engage(0.0) == "no UAV position"
+    plan.set_uav(Motion(0.0, 0.0, -250.0, 20.0, 0.0))
+    assert plan.engage(0.0) == "no helicopter position"
+    plan.set_helicopter(Motion(0.0, 0.0, 0.0, 20.0, 0.0))
+    assert plan.engage(0.0) == "helicopter GPS lost"
+    plan.set_phase(Phase.CRUISE)
+    assert plan.engage(0.0) == "helicopter's leg not known yet"
+    plan.set_leg(leg())
+    assert "UAV position 20.0 s old" in plan.engage(20.0)
+    assert plan.engage(0.0) == ""
+    assert plan.mode is Mode.LEG
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_leg_list_is_the_slot_track_on_the_inside(side):
+    plan = on_leg(800.0, turn_side=side)
+    waypoints = plan.update(100.0)
+    assert waypoints.mode == "leg"
+    assert waypoints.points[:, 1] == pytest.approx([-side * 250.0] * 2)
+    assert waypoints.points[0, 0] > -800.0
+    assert plan.update(100.1) is None
+    assert plan.lag_m() == pytest.approx(800.0)
+    assert plan.separation_m() == pytest.approx(math.hypot(800.0, 250.0))
+
+
+def test_shifted_slot_track_is_listed_again():
+    plan = on_leg(0.0)
+    assert plan.update(100.0) is not None
+    plan.set_leg(replace(leg(101.0), foot=Pose(20.0, 2.0, 0.0)))
+    assert plan.update(101.0) is None
+    plan.set_leg(replace(leg(102.0), foot=Pose(40.0, 8.0, 0.0)))
+    assert plan.update(102.0).points[0, 1] == pytest.approx(-242.0)
+
+
+@pytest.mark.parametrize(
+    ("lag", "rule"), [(800.0, "T1"), (300.0, "T2"), (0.0, "T3"), (-200.0, "T4")]
+)
+def test_corner_measures_lag_and_picks_the_rule(lag, rule):
+    plan = on_leg(lag)
+    plan.update(100.0)
+    plan.set_phase(Phase.DECELERATING)
+    plan.set_corner(corner(100.0))
+    waypoints = plan.update(100.0)
+    assert waypoints.mode == rule == plan.rule
+    assert plan.active.plan.lag_m == pytest.approx(lag, abs=1e-6)
+    record = corner_record(plan.active, waypoints)
+    assert record["k"] == 1
+    assert record["rule"] == rule
+
+
+def test_lag_is_that_of_the_onset_however_late_it_is_detected():
+    plan = on_leg(100.0)
+    plan.update(100.0)
+    plan.set_uav(Motion(104.0, -20.0, -250.0, 20.0, 0.0))
+    plan.set_helicopter(Motion(104.0, 60.0, 0.0, 10.0, 0.0))
+    plan.set_corner(corner(100.0, time_s=104.0))
+    plan.update(104.0)
+    assert plan.active.plan.lag_m == pytest.approx(100.0, abs=1e-6)
+    assert plan.active.plan.turn_start_m >= 80.0
+
+
+def test_corner_is_moved_until_the_uav_turns_and_then_left_alone():
+    plan = on_leg(300.0)
+    plan.update(100.0)
+    plan.set_corner(corner(100.0))
+    first = plan.update(100.0)
+    moved = None
+    for step in range(1, 400):
+        now = 100.0 + 0.1 * step
+        plan.set_uav(Motion(now, -300.0 + 2.0 * step, -250.0, 20.0, 0.0))
+        plan.set_helicopter(Motion(now, min(80.0, 2.0 * step), 0.0, 0.0, 0.0))
+        plan.set_corner(corner(100.0, time_s=now, stop_x=80.0 + 0.05 * step))
+        listed = plan.update(now)
+        if plan.active.committed:
+            assert listed is None
+            break
+        moved = listed or moved
+    assert plan.active.committed
+    assert moved.number > first.number
+    # It commits two seconds before the first arc.
+    assert plan.active.plan.turn_start_m - plan.active.flown_m(now) == pytest.approx(40.0, abs=3.0)
+
+
+def test_corner_ends_on_the_new_slot_track():
+    plan = on_leg(0.0)
+    plan.update(100.0)
+    plan.set_corner(corner(100.0))
+    plan.update(100.0)
+    end = plan.active.frame.pose_to_map(plan.active.plan.path.end)
+    for now in (100.5, 101.0):
+        plan.set_uav(Motion(now, 0.0, -250.0, 20.0, 0.0))
+        plan.set_helicopter(Motion(now, 10.0, 0.0, 20.0, 0.0))
+        plan.update(now)
+    assert plan.active.committed
+    plan.set_uav(Motion(150.0, end.x_m, end.y_m - 5.0, 0.0, -20.0))
+    plan.set_helicopter(Motion(150.0, 80.0, -700.0, 0.0, -20.0))
+    plan.set_leg(leg(149.0, x=80.0, heading=-math.pi / 2))
+    listed = plan.update(150.0)
+    assert plan.mode is Mode.LEG
+    assert listed.points[:, 0] == pytest.approx([80.0 - 250.0] * 2, abs=1e-6)
+
+
+def test_withdrawn_corner_goes_back_to_the_leg():
+    plan = on_leg(600.0)
+    plan.update(100.0)
+    plan.set_phase(Phase.DECELERATING)
+    plan.set_corner(corner(100.0))
+    plan.update(100.0)
+    assert plan.mode is Mode.CORNER
+    plan.set_phase(Phase.ACCELERATING)
+    plan.set_helicopter(Motion(102.0, 40.0, 0.0, 18.0, 0.0))
+    plan.set_uav(Motion(102.0, -560.0, -250.0, 20.0, 0.0))
+    assert plan.update(102.0).mode == "leg"
+    assert plan.mode is Mode.LEG
+
+
+@pytest.mark.parametrize("changes", [{"speed": 55.0}, {"accel": 9.0}])
+def test_motion_outside_the_rules_is_told_and_not_planned(changes):
+    plan = on_leg(300.0)
+    plan.update(100.0)
+    plan.set_corner(corner(100.0, **changes))
+    assert plan.update(100.0) is None
+    assert "the rules expect" in plan.problem
+    assert plan.mode is Mode.LEG
+
+
+def test_a_human_taking_the_mode_ends_the_engagement():
+    plan = on_leg(0.0)
+    plan.update(100.0)
+    plan.set_status(UavStatus("LOITER", armed=True, connected=True))
+    assert plan.mode is Mode.IDLE
+    assert plan.problem == "released: the UAV was taken to mode LOITER"
+    assert plan.update(101.0) is None
+
+
+def test_engaging_from_guided_survives_the_change_to_auto():
+    plan = planner()
+    plan.set_status(UavStatus("GUIDED", armed=True, connected=True))
+    plan.set_helicopter(Motion(1.0, 0.0, 0.0, 20.0, 0.0))
+    plan.set_uav(Motion(1.0, 0.0, -250.0, 20.0, 0.0))
+    plan.set_phase(Phase.CRUISE)
+    plan.set_leg(leg())
+    assert plan.engage(1.0) == ""
+    plan.set_status(UavStatus("GUIDED", armed=True, connected=True))
+    plan.set_status(FLYING)
+    assert plan.mode is Mode.LEG
+    plan.set_status(UavStatus("GUIDED", armed=True, connected=True))
+    assert plan.mode is Mode.IDLE
+
+
+def test_stale_positions_stop_decisions():
+    plan = on_leg(0.0)
+    assert plan.update(120.0) is None
+    assert "UAV position 20.0 s old" in plan.problem
+
+
+def test_bad_mission_parameters_are_named():
+    for changes, named in (
+        ({"turn_side": 2}, "turn_side = 2"),
+        ({"reaction_s": -1.0}, "reaction_s"),
+        ({"arc_spacing_m": -1.0}, "arc_spacing_m"),
+        ({"horizon_m": 0.0}, "horizon_m"),
+    ):
+        with pytest.raises(ParameterError, match=named):
+            planner(**changes)
+    with pytest.raises(ParameterError, match="deadbeat"):
+        planner(rules="deadbeat")
+
+
+EVENTS = ("leg", "corner", "refine", "phase", "uav", "engage", "disengage", "human", "back", "wait")
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.lists(st.tuples(st.sampled_from(EVENTS), st.integers(0, 1000)), max_size=60))
+def test_any_order_of_events_keeps_the_planner_sound(events):
+    """Every mode meets every event: nothing raises, and lists are finite, numbered, and ahead."""
+    plan = on_leg(200.0)
+    now, number = 100.0, 0
+    for event, value in events:
+        now += 0.3
+        share = value / 1000.0
+        if event == "leg":
+            plan.set_leg(leg(now, heading=math.pi * (share - 0.5)))
+        elif event == "corner":
+            plan.set_corner(corner(now - 3.0, time_s=now, stop_x=1000.0 * share))
+        elif event == "refine" and plan.active is not None:
+            plan.set_corner(replace(plan.active.estimate, time_s=now))
+        elif event == "phase":
+            plan.set_phase(list(Phase)[value % len(Phase)])
+        elif event == "uav":
+            plan.set_uav(Motion(now, 900.0 * share, -250.0 * share, 20.0 * share, -15.0))
+        elif event == "engage":
+            plan.engage(now)
+        elif event == "disengage":
+            plan.disengage()
+        elif event == "human":
+            plan.set_status(UavStatus("MANUAL", armed=True, connected=True))
+        elif event == "back":
+            plan.set_status(FLYING)
+        plan.set_helicopter(Motion(now, 6.0, 0.0, 20.0, 0.0))
+        listed = plan.update(now)
+        decision_outputs(plan, listed)
+        status_outputs(plan)
+        planner_diagnostics(plan, now)
+        assert (plan.mode is Mode.CORNER) == (plan.active is not None)
+        if listed is not None:
+            assert plan.mode is not Mode.IDLE
+            assert listed.number == number + 1
+            assert len(listed.points) >= 1
+            assert np.isfinite(listed.points).all()
+            number = listed.number

@@ -1,0 +1,52 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sar_planner.automaton import PaperAutomaton
+from sar_planner.parameters import CornerParameters
+from sar_planner.rules import Rule, build
+from sar_planner.separation import closest_approach, helicopter_positions
+
+P = CornerParameters()
+AUTOMATON = PaperAutomaton(P)
+
+
+def test_the_papers_rules_come_close():
+    """The closest approaches with perfect tracking, each inside its rule's own domain."""
+    nearest = {}
+    for lag in np.arange(-300.0, 640.0, 1.0):
+        plan = AUTOMATON.plan(lag)
+        found = closest_approach(plan.path, P)
+        best = nearest.get(plan.rule)
+        if best is None or found.distance_m < best[0].distance_m:
+            nearest[plan.rule] = (found, lag)
+    t2, t4 = nearest["T2"], nearest["T4"]
+    assert t2[0].distance_m == pytest.approx(23.6, abs=0.1)
+    assert t2[0].time_s == pytest.approx(29.0, abs=1.0)
+    assert t2[1] == pytest.approx(480.0, abs=10.0)
+    assert t4[0].distance_m == pytest.approx(17.25, abs=0.01)
+    assert t4[0].time_s == pytest.approx(15.1, abs=0.1)
+    assert t4[1] == -80.0
+
+
+def test_the_outside_loop_just_outside_its_domain_is_closer_still():
+    """15.8 m belongs to the loop flown from L = -78, 2 m beyond the domain's end."""
+    found = closest_approach(build(Rule.T4, -78.0, P).path, P)
+    assert found.distance_m == pytest.approx(15.8, abs=0.05)
+
+
+def test_helicopter_motion():
+    t = np.array([0.0, 4.0, 8.0, 12.0, 16.0, 20.0])
+    expected = [(-80, 0), (-20, 0), (0, 0), (0, -20), (0, -80), (0, -160)]
+    assert helicopter_positions(t, P) == pytest.approx(np.array(expected, dtype=float))
+
+
+@settings(max_examples=60)
+@given(st.floats(-500.0, 1400.0))
+def test_closest_approach_is_what_a_fine_search_finds(lag):
+    path = AUTOMATON.plan(lag).path
+    found = closest_approach(path, P)
+    times = np.linspace(0.0, max(path.length_m / P.speed_mps, 16.0), 20001)
+    gap = path.points(times * P.speed_mps) - helicopter_positions(times, P)
+    assert found.distance_m == pytest.approx(np.hypot(*gap.T).min(), abs=0.02)
