@@ -238,7 +238,7 @@ EVENTS = ("leg", "corner", "refine", "phase", "uav", "engage", "disengage", "hum
 
 @settings(max_examples=150, deadline=None)
 @given(st.lists(st.tuples(st.sampled_from(EVENTS), st.integers(0, 1000)), max_size=60))
-def test_any_order_of_events_keeps_the_planner_sound(events):
+def test_any_order_of_events_keeps_the_planner_sound(events):  # noqa: C901
     """Every mode meets every event: nothing raises, and lists are finite, numbered, and ahead."""
     plan = on_leg(200.0)
     now, number = 100.0, 0

@@ -16,6 +16,7 @@ REFINEMENTS = 2
 STANDSTILL_MPS = 2.0
 STANDSTILL_S = 5.0
 MOVING_MPS = 3.0
+LEFT_STOP_M = 8.0
 LEARNT_SPREAD_FLOOR = 0.1
 
 
@@ -185,7 +186,7 @@ class CornerTracker:
             stop = self.corner.stop
             away = math.hypot(motion.x_m - stop.x_m, motion.y_m - stop.y_m)
             spread = math.sqrt(float(np.trace(self.corner.covariance)))
-            moving = motion.speed_mps > MOVING_MPS and away > 2.0 * spread
+            moving = motion.speed_mps > MOVING_MPS and away > max(LEFT_STOP_M, 4.0 * spread)
         if moving:
             self._begin_moving(motion)
 

@@ -24,6 +24,7 @@ from sar_estimator.states import (
 UNKNOWN_SPEED_SIGMA_MPS = 40.0
 TOP_SPEED_MPS = 100.0
 SURPRISE_CHI2 = 9.0
+MAX_COAST_S = 3600.0
 
 
 class HelicopterEstimator:
@@ -70,14 +71,17 @@ class HelicopterEstimator:
         return self._tracker.phase
 
     def predict(self, time_s: float) -> MotionEstimate | None:
-        """Return the motion at ``time_s``, None before the first fix."""
+        """Return the motion at ``time_s``, an hour after the last fix at most; None before any."""
         if self._filter is None:
             return None
-        return self._filter_at(time_s, self._accel_sigma())
+        return self._filter_at(min(time_s, self._accepted_s + MAX_COAST_S), self._accel_sigma())
 
     def add_fix(self, fix: Fix) -> Verdict:
         """Take a fix; return what became of it."""
         refusal = self.screen.refusal(fix)
+        if refusal is Verdict.OUT_OF_ORDER and self.screen.set_back(fix.time_s):
+            self.restart_clock()
+            refusal = None
         if refusal not in (None, Verdict.REPEATED):
             return self.screen.note(fix, refusal)
         if self.datum is None:

@@ -22,6 +22,10 @@ class Fix:
     has_fix: bool = True
 
 
+MAX_TIME_S = 1e11
+SET_BACK_AFTER = 5
+
+
 class Verdict(enum.StrEnum):
     """What became of a fix. Only ``ACCEPTED`` and ``JUMP`` moved the estimate."""
 
@@ -49,12 +53,15 @@ class FixScreen:
     )
     _last_time_s: float = field(default=-math.inf, init=False)
     _last_position: tuple[float, float] | None = field(default=None, init=False)
+    _older_s: list[float] = field(default_factory=list, init=False)
 
     def refusal(self, fix: Fix) -> Verdict | None:
         """Return why a fix cannot be used, None when it can; repeats are only reported."""
         if not fix.has_fix:
             return Verdict.NO_FIX
-        if not (math.isfinite(fix.time_s) and valid_position(fix.latitude_deg, fix.longitude_deg)):
+        if not (
+            abs(fix.time_s) < MAX_TIME_S and valid_position(fix.latitude_deg, fix.longitude_deg)
+        ):
             return Verdict.NOT_FINITE
         if fix.time_s < self._last_time_s:
             return Verdict.OUT_OF_ORDER
@@ -68,10 +75,21 @@ class FixScreen:
         """Count a verdict, remember the fix it was given for, and return it."""
         self.counts[verdict] += 1
         if verdict.moved or verdict in (Verdict.REPEATED, Verdict.OUTLIER):
+            self._older_s.clear()
             self._last_time_s = fix.time_s
             self._last_position = (fix.latitude_deg, fix.longitude_deg)
         return verdict
 
+    def set_back(self, time_s: float) -> bool:
+        """Whether fixes keep coming in order, but from before the newest: the clock was set back.
+
+        To be asked of every fix that is out of order.
+        """
+        self._older_s = [time for time in self._older_s if time < time_s][-SET_BACK_AFTER:]
+        self._older_s.append(time_s)
+        return len(self._older_s) > SET_BACK_AFTER
+
     def forget(self) -> None:
         """Accept any time again (the clock was set back)."""
         self._last_time_s, self._last_position = -math.inf, None
+        self._older_s.clear()

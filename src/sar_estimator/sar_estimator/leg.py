@@ -15,6 +15,7 @@ from sar_estimator.states import FloatArray, LegEstimate
 MIN_ROWS = 6
 MISFIT_LIMIT = 4.5
 SETTLE_S = 5.0
+MIN_SPACING_S = 0.4
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +132,16 @@ class LegTracker:
         self._rows: deque[LegRow] = deque()
 
     def add(self, row: LegRow) -> None:
-        """Append a row and let old ones go."""
+        """Append a row and let old ones go.
+
+        Rows of a kind closer than ``MIN_SPACING_S`` are left out: a receiver's errors over such
+        times are alike, and more of them tell no more.
+        """
+        newest = next(
+            (old for old in reversed(self._rows) if old.is_velocity == row.is_velocity), None
+        )
+        if newest is not None and row.time_s - newest.time_s < MIN_SPACING_S:
+            return
         self._rows.append(row)
         while self._rows[0].time_s < row.time_s - self._window_s:
             self._rows.popleft()

@@ -27,7 +27,7 @@ class EstimatorParameters:
     lost_after_s: float = 5.0
     restart_after_s: float = 15.0
     accel_tau_s: float = 3.0
-    cruise_accel_sigma_mps2: float = 0.6
+    cruise_accel_sigma_mps2: float = 0.3
     turn_accel_sigma_mps2: float = 3.0
     leg_window_s: float = 40.0
     detect_log_bayes: float = 8.0

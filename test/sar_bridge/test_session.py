@@ -1,0 +1,242 @@
+"""A session against the simulated autopilot's server, without sockets."""
+
+import math
+
+import numpy as np
+import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from sar_bridge.autopilot_state import AutopilotState, BootClock
+from sar_bridge.commands import Command, CommandQueue
+from sar_bridge.mission_upload import Address
+from sar_bridge.session import AutopilotSession
+from sar_estimator.geodesy import Datum
+from sar_estimator.plane import Pose
+from sar_sim.autopilot import FlightMode, SimAutopilot
+from sar_sim.autopilot_server import AutopilotServer
+from sar_sim.scenario import Uav, Wind
+
+DATUM = Datum(37.8, -122.8)
+LINE = np.array([[300.0, -250.0], [3000.0, -250.0]])
+
+
+class Bench:
+    """A session and an autopilot joined by bytes."""
+
+    def __init__(self, **options):
+        self.autopilot = SimAutopilot(
+            Pose(0.0, -250.0, 0.0),
+            speed_mps=20.0,
+            uav=Uav(),
+            wind=Wind(),
+            datum=DATUM,
+            altitude_m=150.0,
+        )
+        self.server = AutopilotServer(self.autopilot, DATUM)
+        self.session = AutopilotSession(altitude_m=150.0, **options)
+        self.to_vehicle = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)
+        self.to_ground = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
+        self.now = 0.0
+        self.sent = []
+
+    def exchange(self, messages):
+        """Deliver messages to the vehicle and its answers back until nobody speaks."""
+        while messages:
+            self.sent += messages
+            answers = []
+            for message in messages:
+                for heard in self.to_ground.parse_buffer(message.pack(self.to_vehicle)) or []:
+                    answers += self.server.handle(heard, self.now)
+            messages = self.hear(answers)
+
+    def hear(self, answers):
+        out = []
+        for answer in answers:
+            for heard in self.to_vehicle.parse_buffer(answer.pack(self.to_ground)) or []:
+                more, _ = self.session.handle(heard, now_s=self.now, ros_s=self.now, datum=DATUM)
+                out += more
+        return out
+
+    def run(self, seconds):
+        for _ in range(round(seconds / 0.05)):
+            self.now += 0.05
+            self.autopilot.step(0.05)
+            self.exchange(self.hear(self.server.telemetry(self.now)))
+            self.exchange(self.session.tick(self.now))
+
+    def mode(self, mode):
+        self.autopilot.set_mode(mode)
+        self.run(1.2)
+
+
+@pytest.fixture
+def bench():
+    found = Bench()
+    found.run(1.5)
+    return found
+
+
+def command_numbers(bench):
+    return [m.command for m in bench.sent if m.get_type() == "COMMAND_LONG"]
+
+
+def test_hears_the_autopilot_and_is_heard(bench):
+    assert bench.session.address == Address(1, 1)
+    assert bench.server.gcs_seen
+    state = bench.session.state
+    assert (state.mode, state.armed, state.ardupilot) == ("GUIDED", True, True)
+    motion = state.telemetry.motion
+    assert motion.x_m == pytest.approx(20.0 * bench.now, abs=2.5)
+    assert motion.y_m == pytest.approx(-250.0, abs=0.1)
+    assert (motion.vx_mps, motion.vy_mps) == pytest.approx((20.0, 0.0), abs=0.01)
+    assert state.telemetry.yaw_rad == pytest.approx(0.0, abs=1e-3)
+    assert state.telemetry.up_m == pytest.approx(150.0, abs=0.01)
+    assert bench.session.problem(bench.now) == ""
+
+
+def test_first_list_is_uploaded_made_current_and_flown_from_guided(bench):
+    bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
+    assert bench.autopilot.mode is FlightMode.AUTO
+    assert bench.autopilot.current == 1
+    assert len(bench.autopilot.items) == 4
+    assert bench.session.uploaded.stamp_s == 1.0
+    bench.run(5.0)
+    assert bench.autopilot.state.y_m == pytest.approx(-250.0, abs=0.1)
+
+
+def test_it_never_arms_nor_takes_off(bench):
+    bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
+    bench.run(3.0)
+    bench.exchange(bench.session.set_list(LINE + 5.0, 2.0, DATUM, bench.now))
+    bench.exchange(bench.session.return_home(bench.now))
+    bench.run(3.0)
+    assert set(command_numbers(bench)) <= {
+        mavlink.MAV_CMD_DO_SET_MODE,
+        mavlink.MAV_CMD_DO_SET_MISSION_CURRENT,
+        mavlink.MAV_CMD_SET_MESSAGE_INTERVAL,
+    }
+
+
+def test_list_from_before_the_session_does_not_change_the_mode(bench):
+    bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now, may_engage=False))
+    bench.run(1.0)
+    assert bench.autopilot.mode is FlightMode.GUIDED
+    assert len(bench.autopilot.items) == 4
+
+
+def test_waypoints_passed_during_the_upload_are_skipped(bench):
+    points = np.array([[10.0, -250.0], [200.0, -250.0], [900.0, -250.0]])
+    bench.exchange(bench.session.set_list(points, 1.0, DATUM, bench.now))
+    assert bench.autopilot.current == 2
+
+
+def test_a_human_changing_the_mode_is_never_fought(bench):
+    bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
+    bench.run(1.5)
+    bench.mode(FlightMode.LOITER)
+    assert bench.session.released
+    assert "mode LOITER" in bench.session.problem(bench.now)
+    before = len(bench.sent)
+    bench.exchange(bench.session.set_list(LINE + 50.0, 2.0, DATUM, bench.now))
+    bench.run(5.0)
+    assert bench.autopilot.mode is FlightMode.LOITER
+    assert {m.get_type() for m in bench.sent[before:]} <= {"HEARTBEAT"}
+
+
+def test_a_new_engagement_after_a_release(bench):
+    bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
+    bench.run(1.5)
+    bench.mode(FlightMode.GUIDED)
+    assert bench.session.released
+    bench.exchange(bench.session.set_list(np.empty((0, 2)), 2.0, DATUM, bench.now))
+    bench.exchange(bench.session.set_list(LINE, 3.0, DATUM, bench.now))
+    assert bench.autopilot.mode is FlightMode.AUTO
+    assert not bench.session.released
+
+
+def test_return_home(bench):
+    bench.exchange(bench.session.return_home(bench.now))
+    assert bench.autopilot.mode is FlightMode.RTL
+
+
+def test_list_given_before_the_autopilot_is_heard_goes_out_when_it_is():
+    bench = Bench()
+    assert bench.session.set_list(LINE, 1.0, DATUM, 0.0) == []
+    assert bench.session.problem(0.0) == "no autopilot heard"
+    bench.run(1.5)
+    assert bench.autopilot.mode is FlightMode.AUTO
+
+
+def test_only_the_configured_system_is_obeyed():
+    bench = Bench(target_system=7)
+    bench.run(2.0)
+    assert bench.session.address is None
+
+
+def test_another_system_is_not_listened_to(bench):
+    intruder = mavlink.MAVLink(None, srcSystem=9, srcComponent=1)
+    beat = mavlink.MAVLink_heartbeat_message(1, 3, 0, 11, 4, 3)
+    for heard in bench.to_vehicle.parse_buffer(beat.pack(intruder)):
+        assert bench.session.handle(heard, now_s=2.0, ros_s=2.0, datum=DATUM) == ([], False)
+    assert bench.session.state.mode == "GUIDED"
+
+
+def test_lost_link_is_a_problem(bench):
+    assert bench.session.problem(bench.now + 5.0) == "autopilot's heartbeat lost"
+
+
+def test_failed_upload_is_told_and_tried_again(bench):
+    bench.session.set_list(LINE, 1.0, DATUM, bench.now)
+    failed_at = bench.now
+    while not bench.session.problem(failed_at).startswith("mission upload: no answer"):
+        failed_at += 0.1
+        bench.session.tick(failed_at)
+        bench.session.state.heartbeat_s = failed_at
+    bench.now = failed_at
+    bench.run(3.0)
+    assert bench.autopilot.mode is FlightMode.AUTO
+
+
+def test_commands_are_repeated_and_given_up():
+    queue = CommandQueue(Address(1, 1))
+    (first,) = queue.send(Command(mavlink.MAV_CMD_DO_SET_MODE, (1.0, 10.0)), 0.0)
+    assert (first.param2, first.confirmation) == (10.0, 0)
+    times = [t for t in np.arange(0.1, 9.0, 0.1) if queue.tick(t)]
+    assert times == pytest.approx([1.0, 2.0, 3.0, 4.0], abs=0.11)
+    assert queue.refusal == "command 176: no answer after 4 retries"
+
+
+def test_refused_command_is_named():
+    queue = CommandQueue(Address(1, 1))
+    queue.send(Command(mavlink.MAV_CMD_DO_SET_MODE), 0.0)
+    queue.handle(mavlink.MAVLink_command_ack_message(176, mavlink.MAV_RESULT_IN_PROGRESS))
+    assert queue.refusal == ""
+    queue.handle(mavlink.MAVLink_command_ack_message(176, mavlink.MAV_RESULT_DENIED))
+    assert queue.refusal == "command 176: MAV_RESULT_DENIED"
+    assert queue.tick(50.0) == []
+
+
+def test_boot_clock_takes_the_least_delay_and_notices_a_reboot():
+    clock = BootClock()
+    rng = np.random.default_rng(1)
+    stamps = [clock.stamp(10.0 + i, 1010.0 + i + 0.3 * rng.random()) for i in range(50)]
+    assert stamps[-1] == pytest.approx(1059.0, abs=0.05)
+    assert clock.stamp(0.5, 1070.0) == pytest.approx(1070.0)
+    assert clock.reboots == 1
+    assert clock.stamp(1.5, 2000.0) == pytest.approx(2000.0)  # the receiver's clock was stepped
+
+
+def test_positions_that_are_none_are_not_used():
+    state = AutopilotState()
+    for latitude, longitude in ((0, 0), (2_000_000_000, 0)):
+        message = mavlink.MAVLink_global_position_int_message(
+            0, latitude, longitude, 0, 0, 0, 0, 0, 0
+        )
+        assert not state.handle(message, monotonic_s=0.0, ros_s=0.0, datum=DATUM)
+    assert state.telemetry is None
+    unknown = mavlink.MAVLink_global_position_int_message(
+        0, 378000000, -1228000000, 0, 0, 0, 500, 0, 65535
+    )
+    assert state.handle(unknown, monotonic_s=0.0, ros_s=0.0, datum=DATUM)
+    assert state.telemetry.yaw_rad == pytest.approx(0.0)
+    assert math.isclose(state.telemetry.motion.vx_mps, 5.0)

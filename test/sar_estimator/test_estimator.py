@@ -1,0 +1,271 @@
+"""The estimator against simulated flights, and against every kind of bad fix."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sar_estimator.estimator import HelicopterEstimator
+from sar_estimator.fixes import Fix, Verdict
+from sar_estimator.geodesy import Datum
+from sar_estimator.parameters import EstimatorParameters
+from sar_estimator.states import Phase
+
+DATUM = Datum(37.8, -122.8)
+V, A = 20.0, 2.5
+
+
+def fix_at(time_s, x, y, sigma=3.0):
+    latitude, longitude, _ = DATUM.to_geodetic(x, y)
+    return Fix(time_s, latitude, longitude, 0.0, np.eye(2) * max(sigma, 0.1) ** 2)
+
+
+def along(time_s, onset):
+    """Distance and speed of a flight at V that slows with A from ``onset`` to a stand."""
+    slowing = min(max(time_s - onset, 0.0), V / A)
+    return V * min(time_s, onset) + V * slowing - 0.5 * A * slowing**2, V - A * slowing
+
+
+def fly(onset, *, sigma, seed, until=None, doppler=0.0, turn=True):
+    """Fly east, stop at a corner, go on south; yield (time, estimator) after every fix."""
+    rng = np.random.default_rng(seed)
+    estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
+    start = rng.uniform(0.0, 1.0)
+    for i in range(int(until or onset + 60.0)):
+        t = i + start
+        x, speed = along(t, onset)
+        going = min(max(t - onset - V / A, 0.0), V / A) if turn else 0.0
+        y = -0.5 * A * going**2 - V * max(t - onset - 2 * V / A, 0.0) * turn
+        noise = sigma * rng.standard_normal(2)
+        if doppler:
+            velocity = np.array((speed, 0.0)) + doppler * rng.standard_normal(2)
+            estimator.add_velocity(t, *velocity, doppler)
+        estimator.add_fix(fix_at(t, x + noise[0], y + noise[1], sigma))
+        yield t, estimator
+
+
+def detection_delay(seed, *, sigma=3.0, doppler=0.0):
+    onset = 60.0 + np.random.default_rng(seed + 5000).uniform(0.0, 1.0)
+    for t, estimator in fly(onset, sigma=sigma, seed=seed, doppler=doppler, until=90.0):
+        if estimator.phase(t) is Phase.DECELERATING:
+            return t - onset
+    return math.inf
+
+
+def test_detection_delay_at_3_m_noise():
+    delays = np.array([detection_delay(seed) for seed in range(120)])
+    assert (delays > 0.0).all()
+    assert np.median(delays) <= 3.8
+    assert np.percentile(delays, 95) <= 4.8
+
+
+def test_detection_delay_with_doppler():
+    delays = np.array([detection_delay(seed, doppler=0.1) for seed in range(60)])
+    assert (delays > 0.0).all()
+    assert np.percentile(delays, 95) <= 1.5
+
+
+def test_no_false_alarm_in_an_hour_of_straight_flight():
+    for t, estimator in fly(1e9, sigma=3.0, seed=7, until=3600):
+        assert estimator.corner is None, t
+    assert estimator.withdrawn_corners == 0
+
+
+def test_position_is_better_than_the_fixes():
+    errors = [
+        (estimator.predict(t).motion.x_m - V * t, estimator.predict(t).motion.y_m)
+        for t, estimator in fly(1e9, sigma=3.0, seed=3, until=600)
+        if t > 20.0
+    ]
+    assert np.sqrt(np.mean(np.square(errors), axis=0)).max() < 2.0
+
+
+def test_covariance_is_honest_on_a_leg():
+    ratios = []
+    for seed in range(20):
+        *_, (t, estimator) = fly(1e9, sigma=3.0, seed=seed, until=60)
+        estimate = estimator.predict(t)
+        ratios.append((estimate.motion.x_m - V * t) / math.sqrt(estimate.covariance[0, 0]))
+    assert np.std(ratios) < 1.5
+
+
+def test_corner_is_predicted_refined_and_left():
+    onset = 60.0
+    phases, errors = [], []
+    for t, estimator in fly(onset, sigma=1.0, seed=1):
+        phases.append(estimator.phase(t))
+        if estimator.phase(t) in (Phase.DECELERATING, Phase.STOPPED):
+            corner = estimator.corner
+            stop = V * onset + V**2 / (2 * A)
+            errors.append(math.hypot(corner.stop.x_m - stop, corner.stop.y_m))
+            assert corner.stop.heading_rad == pytest.approx(0.0, abs=0.03)
+            assert corner.stop_time_s == pytest.approx(onset + V / A, abs=2.5)
+            sigma = math.sqrt(np.linalg.eigvalsh(corner.covariance).max())
+            assert errors[-1] < 5.0 * sigma + 1.0
+    order = [p for i, p in enumerate(phases) if i == 0 or p is not phases[i - 1]]
+    assert order == [
+        Phase.ACCELERATING,
+        Phase.CRUISE,
+        Phase.DECELERATING,
+        Phase.STOPPED,
+        Phase.ACCELERATING,
+        Phase.CRUISE,
+    ]
+    assert errors[-1] < 3.0
+    assert estimator.leg.foot.heading_rad == pytest.approx(-math.pi / 2, abs=0.05)
+    assert estimator.leg.speed_mps == pytest.approx(V, abs=0.5)
+
+
+def test_slowing_down_and_going_on_withdraws_the_corner():
+    estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
+    x, v, seen = 0.0, V, set()
+    for i in range(120):
+        for _ in range(10):
+            accel = -2.0 if 60 <= i < 64 else 2.0 if 64 <= i < 68 else 0.0
+            v = max(0.0, v + 0.1 * accel)
+            x += 0.1 * v
+        estimator.add_fix(fix_at(float(i), x, 0.0, 1.0))
+        seen.add(estimator.phase(float(i)))
+    assert Phase.DECELERATING in seen
+    assert estimator.withdrawn_corners == 1
+    assert estimator.phase(119.0) is Phase.CRUISE
+    assert estimator.corner is None
+
+
+def test_hover_keeps_stopped_until_it_leaves():
+    estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
+    rng = np.random.default_rng(5)
+    phases = {}
+    for t in range(140):
+        x = along(t, 60.0)[0]
+        y = -0.5 * A * min(max(t - 98.0, 0.0), 8.0) ** 2 - V * max(t - 106.0, 0.0)
+        estimator.add_fix(fix_at(float(t), *(np.array((x, y)) + rng.standard_normal(2)), 1.0))
+        phases[t] = estimator.phase(float(t))
+    assert all(phases[t] is Phase.STOPPED for t in range(70, 98))
+    assert phases[103] is Phase.ACCELERATING
+    assert phases[139] is Phase.CRUISE
+
+
+def bad_fixes(time_s):
+    good = fix_at(time_s, V * time_s, 0.0)
+    return {
+        Verdict.NO_FIX: Fix(time_s, good.latitude_deg, good.longitude_deg, has_fix=False),
+        Verdict.NOT_FINITE: Fix(time_s, math.nan, good.longitude_deg),
+        Verdict.OUT_OF_ORDER: fix_at(time_s - 1.5, V * time_s, 0.0),
+        Verdict.OUTLIER: fix_at(time_s, V * time_s + 300.0, 0.0),
+    }
+
+
+@pytest.mark.parametrize("verdict", [*bad_fixes(0.0), Verdict.DUPLICATE, Verdict.REPEATED])
+def test_bad_fixes_are_counted_and_move_nothing(verdict):
+    *_, (t, estimator) = fly(1e9, sigma=1.0, seed=2, until=40)
+    last = fix_at(t, V * t, 0.0)
+    estimator.add_fix(fix_at(t + 1.0, V * (t + 1.0), 0.0))
+    before = estimator.predict(t + 2.0).motion
+    if verdict is Verdict.DUPLICATE:
+        bad = fix_at(t + 1.0, V * t + 50.0, 0.0)
+    elif verdict is Verdict.REPEATED:
+        repeated = fix_at(t + 1.0, V * (t + 1.0), 0.0)
+        bad = Fix(t + 2.0, repeated.latitude_deg, repeated.longitude_deg)
+    else:
+        bad = bad_fixes(t + 2.0)[verdict]
+    assert estimator.add_fix(bad) is verdict
+    assert estimator.counts[verdict] == 1
+    assert estimator.predict(t + 2.0).motion == before
+    assert last.time_s < t + 1.0
+
+
+def test_a_real_jump_is_followed_after_three_fixes():
+    *_, (t, estimator) = fly(1e9, sigma=1.0, seed=2, until=40)
+    verdicts = [estimator.add_fix(fix_at(t + i, V * (t + i), 500.0, 1.0)) for i in range(1, 5)]
+    assert verdicts == [Verdict.OUTLIER, Verdict.OUTLIER, Verdict.JUMP, Verdict.ACCEPTED]
+    assert estimator.predict(t + 4.0).motion.y_m == pytest.approx(500.0, abs=3.0)
+
+
+def test_a_single_outlier_among_good_fixes_is_no_jump():
+    *_, (t, estimator) = fly(1e9, sigma=1.0, seed=2, until=40)
+    for i in range(1, 13):
+        y = 400.0 if i % 3 == 0 else 0.0
+        expected = Verdict.OUTLIER if i % 3 == 0 else Verdict.ACCEPTED
+        assert estimator.add_fix(fix_at(t + i, V * (t + i), y, 1.0)) is expected
+    assert abs(estimator.predict(t + 12.0).motion.y_m) < 3.0
+
+
+def test_lost_and_found():
+    *_, (t, estimator) = fly(1e9, sigma=1.0, seed=2, until=40)
+    assert estimator.phase(t + 4.9) is Phase.CRUISE
+    assert estimator.phase(t + 5.1) is Phase.LOST
+    assert estimator.add_fix(fix_at(t + 30.0, V * (t + 30.0), 0.0)) is Verdict.ACCEPTED
+    assert estimator.phase(t + 30.0) is Phase.ACCELERATING
+
+
+def test_repeats_at_rest_are_real():
+    estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
+    verdicts = [estimator.add_fix(fix_at(float(t), 5.0, 5.0, 1.0)) for t in range(20)]
+    assert set(verdicts) == {Verdict.ACCEPTED}
+    assert estimator.phase(19.0) is Phase.STOPPED
+
+
+def test_clock_set_back_starts_again():
+    *_, (_, estimator) = fly(1e9, sigma=1.0, seed=2, until=40)
+    assert estimator.add_fix(fix_at(1.0, 0.0, 0.0)) is Verdict.OUT_OF_ORDER
+    estimator.restart_clock()
+    assert estimator.predict(0.0) is None
+    assert estimator.add_fix(fix_at(1.0, 0.0, 0.0)) is Verdict.ACCEPTED
+
+
+def test_a_receiver_whose_clock_was_set_back_is_believed_in_the_end():
+    *_, (_, estimator) = fly(1e9, sigma=1.0, seed=2, until=40)
+    verdicts = [estimator.add_fix(fix_at(5.0 + i, 20.0 * i, 0.0, 1.0)) for i in range(8)]
+    assert verdicts == [Verdict.OUT_OF_ORDER] * 5 + [Verdict.ACCEPTED] * 3
+
+
+def test_first_fix_is_the_datum():
+    estimator = HelicopterEstimator(EstimatorParameters())
+    estimator.add_fix(Fix(0.0, 43.6, 1.4, 300.0))
+    assert estimator.datum == Datum(43.6, 1.4, 300.0)
+    motion = estimator.predict(0.0).motion
+    assert (motion.x_m, motion.y_m) == pytest.approx((0.0, 0.0), abs=1e-6)
+
+
+def test_bad_velocity_is_refused():
+    *_, (t, estimator) = fly(1e9, sigma=1.0, seed=2, until=40)
+    assert not estimator.add_velocity(t + 1.0, math.nan, 0.0, 0.1)
+    assert not estimator.add_velocity(t - 5.0, V, 0.0, 0.1)
+    assert not estimator.add_velocity(t + 1.0, -V, 0.0, 0.1)
+    assert estimator.add_velocity(t + 1.0, V, 0.0, 0.1)
+
+
+@pytest.mark.parametrize("rate", [0.5, 2.0, 10.0])
+def test_any_rate_from_half_a_hertz_to_ten(rate):
+    estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
+    rng = np.random.default_rng(8)
+    detected = None
+    for i in range(int(90 * rate)):
+        t = i / rate
+        noise = 1.0 * rng.standard_normal(2)
+        estimator.add_fix(fix_at(t, along(t, 60.0)[0] + noise[0], noise[1], 1.0))
+        if estimator.phase(t) is Phase.DECELERATING and detected is None:
+            detected = t
+    assert 60.0 < detected < 65.0
+
+
+numbers = st.one_of(st.floats(), st.floats(-90.0, 90.0))
+
+
+@settings(max_examples=80, deadline=None)
+@given(st.lists(st.tuples(numbers, numbers, numbers, st.booleans()), max_size=40))
+def test_no_fix_makes_the_estimate_infinite(rows):
+    estimator = HelicopterEstimator(EstimatorParameters())
+    for time_s, latitude, longitude, has_fix in rows:
+        estimator.add_fix(Fix(time_s, latitude, longitude, has_fix=has_fix))
+        if estimator.datum is not None and math.isfinite(time_s):
+            estimate = estimator.predict(time_s)
+            assert estimate is None or estimate.motion.is_finite()
+
+
+def test_bad_parameters_are_named():
+    with pytest.raises(ValueError, match=r"gate_chi2 = -1\.0: expected a positive number"):
+        EstimatorParameters(gate_chi2=-1.0)

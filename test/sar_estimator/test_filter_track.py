@@ -1,0 +1,119 @@
+import csv
+import math
+import os
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sar_estimator.filter_track import COLUMNS, main
+from sar_estimator.geodesy import Datum
+from sar_estimator.track_csv import read_track
+
+REAL = Path(
+    os.environ.get("SAR_TEST_DATA", Path(__file__).parents[3] / "shared" / "data"),
+    "helicopter",
+    "samu31_toulouse_1hz.csv",
+)
+
+
+def write(path, rows, header="time_s,latitude_deg,longitude_deg"):
+    path.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
+    return path
+
+
+def read(path):
+    with path.open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    return {
+        name: np.array([float(r[name] or "nan") for r in rows])
+        for name in COLUMNS
+        if name != "phase"
+    }
+
+
+def test_straight_noisy_leg(tmp_path, capsys):
+    rng = np.random.default_rng(1)
+    datum = Datum(37.8, -122.8)
+    noise = 3.0 * rng.standard_normal((400, 2))
+    rows = []
+    for t, (east, north) in enumerate(noise):
+        latitude, longitude, _ = datum.to_geodetic(20.0 * t + east, north)
+        rows.append(f"{t},{latitude:.9f},{longitude:.9f}")
+    track, out = write(tmp_path / "t.csv", rows), tmp_path / "e.csv"
+    assert main([str(track), "--out", str(out), "--datum", "37.8", "-122.8"]) == 0
+    assert "400 accepted" in capsys.readouterr().out
+    found = read(out)
+    assert len(found["x_m"]) == 400
+    position = np.hypot(found["x_m"] - 20.0 * np.arange(400), found["y_m"])[20:]
+    assert np.sqrt(np.mean(position**2)) < 0.7 * np.sqrt(np.mean((noise[20:] ** 2).sum(axis=1)))
+    ahead = np.hypot(
+        found["next_x_m"][:-1] - found["x_m"][1:], found["next_y_m"][:-1] - found["y_m"][1:]
+    )
+    assert np.median(ahead[20:]) < 2.0
+
+
+def test_every_row_has_an_output_row(tmp_path):
+    rows = [
+        "0,37.8,-122.8",
+        ",37.8,-122.8",
+        "1,,",
+        "2,95.0,10.0",
+        "2,37.8,-122.7999",
+        "1.5,37.8,-122.8",
+    ]
+    out = tmp_path / "e.csv"
+    assert main([str(write(tmp_path / "t.csv", rows)), "--out", str(out)]) == 0
+    assert len(out.read_text(encoding="utf-8").splitlines()) == len(rows) + 1
+
+
+@pytest.mark.parametrize(
+    ("header", "rows", "message"),
+    [
+        ("time_s,latitude_deg", ["0,1"], "no column longitude_deg"),
+        ("time_s,latitude_deg,longitude_deg", ["0,x,2"], "latitude_deg = 'x': expected a number"),
+        ("time_s,latitude_deg,longitude_deg", [], "no rows"),
+    ],
+)
+def test_bad_files_are_one_line(tmp_path, capsys, header, rows, message):
+    track = write(tmp_path / "t.csv", rows, header)
+    assert main([str(track), "--out", str(tmp_path / "e.csv")]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+
+
+def test_missing_file(tmp_path, capsys):
+    assert main([str(tmp_path / "none.csv"), "--out", str(tmp_path / "e.csv")]) == 2
+    assert "none.csv" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not REAL.exists(), reason=f"{REAL.name}: recorded track not here")
+def test_real_helicopter_with_repeated_fixes(tmp_path):
+    out = tmp_path / "e.csv"
+    assert main([str(REAL), "--out", str(out), "--sigma", "10"]) == 0
+    found = read(out)
+    fixes = read_track(REAL)
+    assert len(found["x_m"]) == len(fixes) == 378
+    repeated = np.array(
+        [False]
+        + [
+            (a.latitude_deg, a.longitude_deg) == (b.latitude_deg, b.longitude_deg)
+            for a, b in pairwise(fixes)
+        ]
+    )
+    assert repeated.sum() == 100
+    assert all(np.isfinite(values).all() for values in found.values())
+    step = np.hypot(np.diff(found["x_m"]), np.diff(found["y_m"]))
+    speed = np.hypot(found["vx_mps"], found["vy_mps"])[1:]
+    assert np.abs(step - speed)[repeated[1:]].max() < 3.0
+    datum = Datum(fixes[0].latitude_deg, fixes[0].longitude_deg)
+    measured = np.array([datum.to_local(f.latitude_deg, f.longitude_deg)[:2] for f in fixes])
+    fresh = ~repeated[1:]
+    error = np.hypot(
+        *(np.column_stack((found["next_x_m"], found["next_y_m"]))[:-1] - measured[1:]).T
+    )
+    naive = np.hypot(*(2 * measured[1:-1] - measured[:-2] - measured[2:]).T)
+    assert np.median(error[fresh][10:]) < np.median(naive)
+    assert math.isfinite(error.max())

@@ -1,0 +1,71 @@
+import math
+
+import numpy as np
+import pytest
+
+from sar_estimator.leg import LegRow, LegTracker, fit_rows
+
+
+def straight(n, *, heading=0.6, speed=20.0, sigma=2.0, seed=0, start=0.0):
+    rng = np.random.default_rng(seed)
+    direction = speed * np.array((math.cos(heading), math.sin(heading)))
+    return [
+        LegRow(
+            start + t, *(direction * t + sigma * rng.standard_normal(2)), sigma, is_velocity=False
+        )
+        for t in range(n)
+    ]
+
+
+def test_fit_recovers_the_line_within_its_own_sigma():
+    misses = []
+    for seed in range(40):
+        fit, misfit = fit_rows(tuple(straight(30, seed=seed)))
+        estimate = fit.estimate()
+        assert misfit < 4.5
+        misses.append((fit.heading_rad - 0.6) / estimate.heading_sigma_rad)
+        assert estimate.speed_mps == pytest.approx(20.0, abs=5 * estimate.speed_sigma_mps)
+    assert 0.6 < np.std(misses) < 1.4
+
+
+def test_few_rows_make_no_leg():
+    tracker = LegTracker(40.0)
+    for row in straight(5):
+        tracker.add(row)
+    assert tracker.fit() is None
+
+
+def test_old_course_is_forgotten_after_a_turn():
+    tracker = LegTracker(40.0)
+    rows = straight(30)
+    corner = rows[-1]
+    rows += [
+        LegRow(30.0 + t, corner.x - 20.0 * t, corner.y, 2.0, is_velocity=False) for t in range(14)
+    ]
+    for row in rows:
+        tracker.add(row)
+        fit = tracker.fit()
+    assert fit is not None
+    assert abs(fit.heading_rad) == pytest.approx(math.pi, abs=0.15)
+    assert fit.rows[0].time_s >= 27.0
+
+
+def test_strays_tells_a_change_of_course_from_a_change_of_speed():
+    fit, _ = fit_rows(tuple(straight(30, heading=0.0, sigma=1.0)))
+    slower = tuple(
+        LegRow(30.0 + t, 29.0 * 20.0 + 5.0 * t, 0.0, 1.0, is_velocity=False) for t in range(4)
+    )
+    turning = tuple(
+        LegRow(30.0 + t, 30.0 * 20.0 + 15.0 * t, 10.0 * t, 1.0, is_velocity=False) for t in range(4)
+    )
+    assert not fit.strays(slower)
+    assert fit.strays(turning)
+
+
+def test_velocities_count_in_the_fit():
+    rows = [*straight(8, heading=0.0, sigma=5.0), LegRow(7.0, 20.0, 0.0, 0.05, is_velocity=True)]
+    fit, _ = fit_rows(tuple(rows))
+    assert fit.speed_mps == pytest.approx(20.0, abs=0.15)
+    projected = fit.project(tuple(rows))
+    assert projected.is_speed.tolist() == [False] * 8 + [True]
+    assert projected.values[-1] == pytest.approx(20.0, abs=0.01)
