@@ -157,10 +157,12 @@ class SimAutopilot:
         return bool(self.items) and (self.items[-1].command == mavlink.MAV_CMD_NAV_LOITER_UNLIM)
 
     def _rate_towards(self, x_m: float, y_m: float) -> float:
-        """Turn rate [rad/s] of the arc over ground through a point (pure pursuit)."""
+        """Turn rate [rad/s] of the arc over ground through a point; behind, as tight as can be."""
         motion = self.motion
         dx, dy = x_m - motion.x_m, y_m - motion.y_m
         off = wrap_angle(math.atan2(dy, dx) - motion.course_rad)
+        if abs(off) > math.pi / 2.0:
+            return math.copysign(motion.speed_mps / self._limits.min_radius_m, off)
         return 2.0 * motion.speed_mps * math.sin(off) / max(1.0, math.hypot(dx, dy))
 
     def _follow_route(self) -> float:

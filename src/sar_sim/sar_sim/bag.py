@@ -75,6 +75,11 @@ class BagWriter:
         self._writer.close()
 
 
+def canonical(kind: str, data: bytes) -> bytes:
+    """Return a serialised message with its padding cleared, so that equal messages are equal."""
+    return bytes(TYPESTORE.serialize_cdr(TYPESTORE.deserialize_cdr(data, kind), kind))
+
+
 def known_type(kind: str) -> bool:
     """Whether a message type can be recorded."""
     return kind in TYPESTORE.types

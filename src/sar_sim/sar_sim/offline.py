@@ -30,7 +30,7 @@ from sar_planner.messages import (
 )
 from sar_planner.mission import MissionParameters, MissionPlanner, Mode, UavStatus, WaypointList
 from sar_sim.autopilot import FlightMode
-from sar_sim.bag import BagWriter
+from sar_sim.bag import BagWriter, canonical
 from sar_sim.gps import Reception
 from sar_sim.helicopter import CornerTruth
 from sar_sim.scenario import Scenario, scenario_document
@@ -147,13 +147,9 @@ class OfflineFlight:
 
     def _write(self, topic: str, message: Any) -> None:
         if self._bag is not None:
-            self._bag.write(
-                topic,
-                message_kind(message),
-                serialize_message(message),
-                self.now_s,
-                latched=topic in LATCHED,
-            )
+            kind = message_kind(message)
+            data = canonical(kind, serialize_message(message))
+            self._bag.write(topic, kind, data, self.now_s, latched=topic in LATCHED)
 
     def _step(self) -> None:
         receptions = self.world.step()

@@ -5,6 +5,7 @@ The node is the graph's clock, so it runs its own loop instead of an executor's 
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from pathlib import Path
@@ -33,6 +34,7 @@ from sar_estimator.messages import (
 from sar_estimator.node_support import LATCHED, RELIABLE, now_s, parameter
 from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
+from sar_sim.autopilot_link import AutopilotLink
 from sar_sim.autopilot_server import AutopilotServer
 from sar_sim.offline import corner_truth_text, scenario_text
 from sar_sim.scenario import Scenario, load_scenario
@@ -44,7 +46,7 @@ STEPS_PER_TRUTH = 2
 SPIN_PERIOD_S = 0.02
 ENGAGE_PERIOD_S = 0.5
 MAX_SLIP_S = 0.5
-MAX_HOLD_S = 2.0
+SETTLE_S = 1.0
 FLYING_MPS = 5.0
 STILL = Motion(0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -67,11 +69,11 @@ class SimNode(Node):
             self._speed = 1.0
         scenario = load_scenario(Path(path))
         self._world = self._make_world(scenario, track)
-        self._port: UdpPort | None = None
-        self._server: AutopilotServer | None = None
+        self._link: AutopilotLink | None = None
         if parameter(self, "uav", default=True):
-            self._port = UdpPort(parameter(self, "mavlink_port", 14550))
-            self._server = AutopilotServer(self._world.autopilot, self._world.datum)
+            server = AutopilotServer(self._world.autopilot, self._world.datum)
+            port = UdpPort(parameter(self, "mavlink_port", 14550))
+            self._link = AutopilotLink(server, port, time.monotonic)
         self._listeners = parameter(self, "wait_for_listeners", 1)
         self._patience_s = parameter(self, "patience_s", 30.0)
         self._clock = self.create_publisher(Clock, topics.CLOCK, RELIABLE)
@@ -123,8 +125,8 @@ class SimNode(Node):
 
     def close(self) -> None:
         """Close the link."""
-        if self._port is not None:
-            self._port.close()
+        if self._link is not None:
+            self._link.close()
 
     def fly(self) -> None:
         """Wait until the graph listens, then fly to the end. Raises ``ValueError`` when alone."""
@@ -147,55 +149,37 @@ class SimNode(Node):
                 self._ask_to_engage(now)
 
     def _hold(self) -> float:
-        """Let the clock stand while a mission is transferred; return for how long [s].
-
-        A transfer takes as long at any speed, and must not count ``speed`` times.
-        """
-        begun = now = time.monotonic()
-        while (
-            self._server is not None
-            and self._speed > 1.0
-            and self._server.transferring(now)
-            and now - begun < MAX_HOLD_S
-        ):
-            self._listen(0.002)
-            now = time.monotonic()
-        return (now - begun) * (1.0 - 1.0 / self._speed)
+        """Let the clock stand while a mission is transferred; return what that shifts it by [s]."""
+        if self._link is None or self._speed <= 1.0:
+            return 0.0
+        return self._link.hold() * (1.0 - 1.0 / self._speed)
 
     def _await_graph(self) -> None:
-        """Hold the clock at its start until estimator, planner and bridge are there."""
-        deadline = time.monotonic() + self._patience_s
+        """Hold the clock at its start until the graph has been complete for a moment."""
+        deadline, ready_s = time.monotonic() + self._patience_s, math.inf
         while rclpy.ok():
             self._publish_clock()
             self._listen(0.05)
             self._executor.spin_once(timeout_sec=0.0)
-            if self._server is not None and self._port is not None:
-                self._port.send(self._server.telemetry(self._world.time_s))
-            heard = self._server is None or self._server.gcs_seen
+            if self._link is not None:
+                self._link.report(self._world.time_s)
+            heard = self._link is None or self._link.heard
             listened = self._live or self._fix.get_subscription_count() >= self._listeners
-            if heard and listened and self._engage.service_is_ready():
+            planner = self._engage.service_is_ready()
+            if not (heard and listened and planner):
+                ready_s = math.inf
+            elif time.monotonic() - (ready_s := min(ready_s, time.monotonic())) > SETTLE_S:
                 return
             if time.monotonic() > deadline:
-                missing = [
-                    name
-                    for name, there in (
-                        ("bridge", heard),
-                        ("estimator or recorder", listened),
-                        ("planner", self._engage.service_is_ready()),
-                    )
-                    if not there
-                ]
-                raise ValueError(f"not heard of within {self._patience_s} s: {', '.join(missing)}")
+                found = {"bridge": heard, "estimator or recorder": listened, "planner": planner}
+                missing = ", ".join(name for name, there in found.items() if not there)
+                raise ValueError(f"not heard of within {self._patience_s} s: {missing}")
 
     def _listen(self, timeout_s: float) -> None:
-        """Answer the ground station at once, for at most ``timeout_s`` [s]."""
-        if self._port is None or self._server is None:
+        if self._link is None:
             time.sleep(timeout_s)
-            return
-        now = time.monotonic()
-        for message in self._port.wait(timeout_s):
-            self._port.send(self._server.handle(message, now))
-        self._port.send(self._server.tick(now))
+        else:
+            self._link.listen(timeout_s)
 
     def _ros_time(self) -> float:
         if self._live:
@@ -222,8 +206,8 @@ class SimNode(Node):
             self._fix.publish(fix_to_message(fix))
         if self._steps % STEPS_PER_TRUTH == 0:
             self._publish_truth()
-        if self._port is not None and self._server is not None:
-            self._port.send(self._server.telemetry(self._world.time_s))
+        if self._link is not None:
+            self._link.report(self._world.time_s)
 
     def _publish_truth(self) -> None:
         for topic, message in self._world.truth(self._ros_time()):

@@ -1,0 +1,82 @@
+"""Whole-graph tests: the real launcher, real processes, real DDS, real MAVLink sockets."""
+
+import itertools
+import os
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+DOMAINS = itertools.count(20 + os.getpid() % 60)
+
+
+class Launch:
+    """One run of the installed launcher, in its own ROS domain."""
+
+    def __init__(self, out, *options):
+        self.out = out
+        self.environment = dict(
+            os.environ,
+            ROS_DOMAIN_ID=str(next(DOMAINS)),
+            ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST",
+            PYTHONUNBUFFERED="1",
+        )
+        program = ROOT / "install" / "sar_sim" / "lib" / "sar_sim" / "launch"
+        self.process = subprocess.Popen(
+            [str(program), "--out", str(out), *options],
+            cwd=ROOT,
+            env=self.environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+
+    def wait(self, timeout_s=100.0):
+        """Wait for the end; return (exit code, output, errors)."""
+        try:
+            output, errors = self.process.communicate(timeout=timeout_s)
+        except subprocess.TimeoutExpired:
+            self.kill()
+            raise
+        return self.process.returncode, output, errors
+
+    def nodes(self):
+        """Return the process numbers of the nodes of this flight that are running, by name."""
+        found = {}
+        for entry in Path("/proc").iterdir():
+            if not entry.name.isdigit():
+                continue
+            try:
+                words = (entry / "cmdline").read_bytes().decode().split("\0")
+            except OSError:
+                continue
+            if str(self.out / "params.yaml") in words:
+                found[Path(words[1]).name] = int(entry.name)
+        return found
+
+    def kill(self):
+        """End the launcher and whatever it left, for good."""
+        for number in (self.process.pid, *self.nodes().values()):
+            try:
+                os.kill(number, signal.SIGKILL)
+            except ProcessLookupError:
+                continue
+        self.process.communicate()
+
+
+@pytest.fixture
+def launch(tmp_path):
+    running = []
+
+    def start(*options, name="run"):
+        running.append(Launch(tmp_path / name, *options))
+        return running[-1]
+
+    yield start
+    for one in running:
+        if one.process.poll() is None:
+            one.kill()
+        assert one.nodes() == {}, "nodes left running"

@@ -1,0 +1,242 @@
+import json
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sar_sim.bag import read_messages
+from sar_sim.offline import OfflineFlight
+from sar_sim.options import find_scenario
+from sar_sim.scenario import load_scenario
+
+pytestmark = [pytest.mark.graph, pytest.mark.timeout(180)]
+ROOT = Path(__file__).parents[2]
+REAL = Path(
+    os.environ.get("SAR_TEST_DATA", ROOT.parent / "shared" / "data"),
+    "helicopter",
+    "samu31_toulouse_1hz.csv",
+)
+RESULTS = {"bag", "log", "params.yaml", "scenario.yaml", "metrics.json", "map.png", "corner.png",
+           "lag.png", "report.html"}  # fmt: skip
+
+
+def metrics(out):
+    return json.loads((out / "metrics.json").read_text(encoding="utf-8"))
+
+
+def await_true(condition, timeout_s=60.0):
+    deadline = time.monotonic() + timeout_s
+    while not condition():
+        assert time.monotonic() < deadline, "waited in vain"
+        time.sleep(0.1)
+
+
+def bag_size(flight):
+    bag = flight.out / "bag" / "bag.mcap"
+    return bag.stat().st_size if bag.exists() else 0
+
+
+def test_short_mission_end_to_end_agrees_with_the_offline_flight(launch):
+    flight = launch("--scenario", "short")
+    code, output, errors = flight.wait()
+    assert (code, errors) == (0, "")
+    assert {item.name for item in flight.out.iterdir()} == RESULTS
+    for word in ("leg ", "corner k=", "rule ", "L ", "separation ", "bag "):
+        assert word in output
+    found = metrics(flight.out)
+    offline = OfflineFlight(load_scenario(find_scenario("short")))
+    corners, expected = list(offline.world.corners), []
+
+    def told(_progress):
+        while corners and corners[0].onset_time_s <= offline.world.time_s:
+            corner, motion = corners.pop(0), offline.world.autopilot.motion
+            late = 20.0 * (offline.world.time_s - corner.onset_time_s)
+            expected.append(late - corner.onset.along(motion.x_m, motion.y_m))
+
+    offline.run(told)
+    assert found["lag_m"] == pytest.approx(expected, abs=10.0)
+    assert found["rules"] == ["T1", "T3"]
+    assert found["min_separation_m"] > 150.0
+    assert found["coverage_percent"] > 98.0
+    topics = {topic for topic, _, _ in read_messages(flight.out / "bag")}
+    assert {"/clock", "/uav/state", "/uav/uploaded", "/markers", "/diagnostics"} <= topics
+
+
+def test_control_c_in_flight_closes_the_bag_and_reports(launch):
+    flight = launch("--scenario", "short")
+    await_true(lambda: bag_size(flight) > 500_000)
+    flight.process.send_signal(signal.SIGINT)
+    code, output, _ = flight.wait()
+    assert code == 0
+    assert "stopped by SIGINT" in output
+    assert {item.name for item in flight.out.iterdir()} == RESULTS
+    stamps = [t for topic, t, _ in read_messages(flight.out / "bag") if topic == "/sim/uav"]
+    assert np.diff(stamps).max() < 1.0
+    assert len(stamps) > 100
+
+
+def test_sigterm_does_the_same(launch):
+    flight = launch("--scenario", "short")
+    await_true(lambda: bag_size(flight) > 300_000)
+    flight.process.terminate()
+    code, output, _ = flight.wait()
+    assert code == 0
+    assert "stopped by SIGTERM" in output
+    assert (flight.out / "report.html").exists()
+
+
+def test_a_node_that_dies_stops_the_run_with_its_name(launch):
+    flight = launch("--scenario", "short")
+    await_true(lambda: bag_size(flight) > 300_000)
+    os.kill(flight.nodes()["planner"], signal.SIGKILL)
+    code, _, errors = flight.wait()
+    assert code == 1
+    assert "node planner ended with exit code -9" in errors
+    assert "list 1: leg" in errors  # its last lines
+    assert (flight.out / "report.html").exists()
+
+
+def test_a_launcher_that_is_killed_leaves_nothing_running(launch):
+    flight = launch("--scenario", "short")
+    await_true(lambda: bag_size(flight) > 100_000)
+    flight.process.kill()
+    flight.process.communicate()
+    await_true(lambda: flight.nodes() == {}, timeout_s=20.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--scenario", "nowhere"], "expected a file or one of"),
+        (["--rules", "deadbeat"], "rules = deadbeat: not in this version"),
+        (["--no-sim"], "--no-sim: expected --autopilot URL"),
+        (["--autopilot", "com3"], "autopilot URL 'com3': expected udp:HOST:PORT"),
+        (["--helicopter", "none.csv"], "none.csv: no such file or bag"),
+        (["--params", "none.yaml"], "none.yaml"),
+    ],
+)
+def test_bad_options_start_nothing(launch, options, message):
+    flight = launch(*options)
+    code, _, errors = flight.wait(30.0)
+    assert code == 2
+    assert message in errors
+    assert errors.count("\n") == 1
+    assert not flight.out.exists()
+
+
+def test_bad_parameter_of_a_node_ends_the_run_with_its_line(launch, tmp_path):
+    params = tmp_path / "p.yaml"
+    params.write_text("planner: {ros__parameters: {reaction_s: -1.0}}\n", encoding="utf-8")
+    code, _, errors = launch("--scenario", "short", "--params", str(params)).wait()
+    assert code == 1
+    assert "node planner ended with exit code 2" in errors
+    assert "reaction_s = -1.0: expected 0 or more" in errors
+
+
+def test_operator_and_nodes_run_one_by_one(launch, tmp_path):
+    """Installed executables started by hand, as ``ros2 run`` does."""
+    environment = dict(os.environ, ROS_DOMAIN_ID="99", ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST")
+    planner = subprocess.Popen(
+        [str(ROOT / "install/sar_planner/lib/sar_planner/planner")],
+        env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    try:
+        operator = str(ROOT / "install/sar_bridge/lib/sar_bridge/operator")
+        refused = subprocess.run(
+            [operator, "engage"], env=environment, capture_output=True, text=True, timeout=40,
+            check=False,
+        )  # fmt: skip
+        assert refused.returncode == 1
+        assert "engage: no heartbeat from the autopilot" in refused.stdout
+        absent = subprocess.run(
+            [operator, "return_home", "--timeout", "1"], env=environment, capture_output=True,
+            text=True, timeout=40, check=False,
+        )  # fmt: skip
+        assert absent.returncode == 2
+        assert "no such service is running" in absent.stderr
+    finally:
+        planner.send_signal(signal.SIGINT)
+        _, errors = planner.communicate(timeout=20)
+    assert planner.returncode == 0
+    assert "Traceback" not in errors
+
+
+def play(bag, *options, domain="98"):
+    program = str(ROOT / "install/sar_sim/lib/sar_sim/play")
+    return subprocess.run(
+        [program, str(bag), *options], capture_output=True, text=True, timeout=100, check=False,
+        env=dict(os.environ, ROS_DOMAIN_ID=domain, ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST"),
+    )  # fmt: skip
+
+
+def test_played_bag_drives_a_live_estimator(launch, tmp_path):
+    """What was recorded offline is played at 20 times its pace; the estimator sees the corners."""
+    fly = str(ROOT / "install/sar_sim/lib/sar_sim/fly")
+    subprocess.run(
+        [fly, "--scenario", "short", "--out", str(tmp_path / "flown"), "--quiet"],
+        cwd=ROOT, check=True, capture_output=True, timeout=100,
+    )  # fmt: skip
+    environment = dict(os.environ, ROS_DOMAIN_ID="97", ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST")
+    library = ROOT / "install"
+    commands = {
+        "record": [library / "sar_sim/lib/sar_sim/record", "bag:=" + str(tmp_path / "bag")],
+        "estimator": [library / "sar_estimator/lib/sar_estimator/estimator"],
+    }
+    running = [
+        subprocess.Popen(
+            [str(program), "--ros-args", "-p", "use_sim_time:=true"]
+            + [word for value in values for word in ("-p", value)],
+            env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )
+        for program, *values in commands.values()
+    ]  # fmt: skip
+    try:
+        time.sleep(2.0)
+        options = ("--rate", "20", "--topics", "/helicopter/fix")
+        played = play(tmp_path / "flown" / "bag", *options, domain="97")
+        assert played.returncode == 0, played.stderr
+        assert "messages played" in played.stdout
+        time.sleep(1.0)
+    finally:
+        for process in running:
+            process.send_signal(signal.SIGINT)
+        codes = [process.wait(timeout=20) for process in running]
+    assert codes == [0, 0]
+    heard = [
+        message.data
+        for topic, _, message in read_messages(tmp_path / "bag", {"/helicopter/phase"})
+        if topic == "/helicopter/phase"
+    ]
+    assert heard.count("decelerating") == 2
+
+
+def test_playing_no_bag_is_one_line(tmp_path):
+    played = play(tmp_path)
+    assert played.returncode == 2
+    assert played.stderr.count("\n") == 1
+
+
+@pytest.mark.skipif(not REAL.exists(), reason=f"{REAL.name}: recorded track not here")
+@pytest.mark.parametrize("source", ["csv", "bag"])
+def test_real_helicopter_through_the_graph(launch, tmp_path, source):
+    track = REAL
+    if source == "bag":
+        importer = str(ROOT / "install/sar_sim/lib/sar_sim/import_track")
+        track = tmp_path / "track"
+        subprocess.run([importer, str(REAL), str(track)], check=True, timeout=60)
+    flight = launch("--helicopter", str(track), "--speed", "20")
+    code, _, errors = flight.wait()
+    assert (code, errors) == (0, "")
+    assert {item.name for item in flight.out.iterdir()} == RESULTS
+    motions = [
+        (message.pose.pose.position.x, message.pose.pose.position.y,
+         message.twist.twist.linear.x, message.twist.twist.linear.y)
+        for _, _, message in read_messages(flight.out / "bag", {"/helicopter/odometry"})
+    ]  # fmt: skip
+    assert len(motions) > 1000  # ten a second, less where the machine is slow
+    assert np.isfinite(motions).all()
+    assert metrics(flight.out)["duration_s"] == pytest.approx(377.0, abs=3.0)

@@ -1,0 +1,86 @@
+from pathlib import Path
+
+import pytest
+
+from sar_sim.launch_plan import FlightOptions, parameter_document, plan_nodes, read_tuned
+from sar_sim.scenario import Scenario, ScenarioError
+
+
+def plan(options, tuned=None):
+    specs = plan_nodes(
+        Scenario(), Path("s.yaml"), options, bag=Path("bag"), port=15000, tuned=tuned or {}
+    )
+    return {spec.executable: spec.parameters for spec in specs}
+
+
+def test_whole_simulation():
+    nodes = plan(FlightOptions(), {"planner": {"reaction_s": 3.0, "rules": "other"}})
+    assert list(nodes) == ["record", "estimator", "planner", "bridge", "sim"]
+    assert nodes["bridge"]["autopilot_url"] == "udp:127.0.0.1:15000"
+    assert nodes["estimator"]["datum_latitude_deg"] == 37.8
+    assert nodes["planner"]["reaction_s"] == 3.0
+    assert nodes["planner"]["rules"] == "paper"
+    assert nodes["planner"]["taylor_y_m"] == 0.0
+    assert nodes["sim"]["speed"] == 10.0
+    assert all(nodes[name]["use_sim_time"] for name in ("record", "estimator", "planner", "bridge"))
+
+
+def test_real_autopilot_with_a_simulated_helicopter():
+    nodes = plan(FlightOptions(autopilot="tcp:127.0.0.1:5760"))
+    assert nodes["bridge"]["autopilot_url"] == "tcp:127.0.0.1:5760"
+    assert nodes["sim"]["uav"] is False
+    assert nodes["sim"]["speed"] == 1.0
+
+
+def test_a_real_flight_simulates_nothing():
+    nodes = plan(FlightOptions("topic", "/dev/ttyUSB0,57600", "paper", None, simulation=False))
+    assert "sim" not in nodes
+    assert not nodes["planner"]["use_sim_time"]
+    assert "datum_latitude_deg" not in nodes["estimator"]
+
+
+def test_live_helicopter_with_the_simulated_uav():
+    nodes = plan(FlightOptions("topic"))
+    assert nodes["sim"]["live_helicopter"]
+    assert nodes["sim"]["speed"] == 1.0
+
+
+def test_recorded_track():
+    nodes = plan(FlightOptions("flight.csv"))
+    assert nodes["sim"]["track"] == "flight.csv"
+    assert nodes["estimator"]["default_fix_sigma_m"] == 10.0
+    assert "datum_latitude_deg" not in nodes["estimator"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"simulation": False}, "--no-sim: expected --autopilot"),
+        ({"simulation": False, "autopilot": "udp:1.2.3.4:5"}, "--no-sim: expected --helicopter"),
+        ({"speed": 0.0}, "--speed 0.0"),
+        ({"speed": 5.0, "helicopter": "topic"}, "--speed 5.0: a live helicopter flies at 1"),
+    ],
+)
+def test_combinations_that_make_no_flight(options, message):
+    with pytest.raises(ScenarioError, match=message):
+        FlightOptions(**options)
+
+
+def test_parameter_files():
+    document = {"planner": {"ros__parameters": {"reaction_s": 1.0}}}
+    assert read_tuned(document, "p.yaml") == {"planner": {"reaction_s": 1.0}}
+    for bad, message in (
+        ([1], "p.yaml: expected node names"),
+        ({"pilot": {}}, "p.yaml: pilot: expected one of"),
+        ({"planner": {"reaction_s": 1}}, "p.yaml: planner: expected a mapping ros__parameters"),
+    ):
+        with pytest.raises(ScenarioError, match=message):
+            read_tuned(bad, "p.yaml")
+
+
+def test_parameter_document_has_a_block_per_node():
+    specs = plan_nodes(
+        Scenario(), Path("s.yaml"), FlightOptions(), bag=Path("bag"), port=1, tuned={}
+    )
+    document = parameter_document(specs)
+    assert document["bridge"]["ros__parameters"]["autopilot_url"] == "udp:127.0.0.1:1"

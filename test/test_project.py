@@ -1,0 +1,59 @@
+"""What holds for the whole tree."""
+
+import re
+import subprocess
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SOURCES = sorted((ROOT / "src").glob("*/sar_*/*.py"))
+PURE = [
+    path
+    for path in SOURCES
+    if not path.stem.endswith(("_node", "_cli")) and path.stem != "node_support"
+]
+WITH_SERIALISATION = {"offline", "import_track"}
+
+
+def test_one_version():
+    versions = {
+        ET.parse(path).getroot().findtext("version")
+        for path in (ROOT / "src").glob("*/package.xml")
+    }
+    assert len(versions) == 1
+    assert f"## {versions.pop()}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("path", PURE, ids=lambda path: path.stem)
+def test_pure_modules_import_no_rclpy_and_read_no_clock(path):
+    text = path.read_text(encoding="utf-8")
+    imports = re.findall(r"^[ \t]*(?:from|import) rclpy\S*", text, re.MULTILINE)
+    if path.stem in WITH_SERIALISATION:
+        assert imports == ["from rclpy.serialization"]
+    else:
+        assert imports == []
+    if path.stem != "options":
+        assert "time.time(" not in text
+        assert "time.monotonic(" not in text
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.stem)
+def test_files_are_short(path):
+    limit = 250 if path.stem.endswith("_node") else 600
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= limit
+
+
+def test_every_executable_is_documented():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    for setup in (ROOT / "src").glob("*/setup.py"):
+        for name in re.findall(r'"(\w+) = \w+\.\w+:main"', setup.read_text(encoding="utf-8")):
+            assert f"`{name}" in readme or f" {name} " in readme, name
+
+
+@pytest.mark.parametrize("script", ["launch.sh", "run_tests.sh", ".ci/run"])
+def test_scripts_are_executable_and_sound(script):
+    path = ROOT / script
+    assert path.stat().st_mode & 0o111
+    assert subprocess.run(["bash", "-n", str(path)], check=False).returncode == 0
