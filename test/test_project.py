@@ -2,10 +2,16 @@
 
 import re
 import subprocess
+from dataclasses import fields
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
+import yaml
+
+from sar_estimator.parameters import EstimatorParameters
+from sar_planner.mission import MissionParameters
+from sar_planner.parameters import CornerParameters
 
 ROOT = Path(__file__).parents[1]
 SOURCES = sorted((ROOT / "src").glob("*/sar_*/*.py"))
@@ -57,3 +63,25 @@ def test_scripts_are_executable_and_sound(script):
     path = ROOT / script
     assert path.stat().st_mode & 0o111
     assert subprocess.run(["bash", "-n", str(path)], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("kind", [EstimatorParameters, CornerParameters, MissionParameters])
+def test_every_parameter_is_documented_with_its_default(kind):
+    rows = dict(
+        re.findall(
+            r"^\| `(\w+)` \| (.+?) \|",
+            (ROOT / "docs/parameters.md").read_text("utf-8"),
+            re.MULTILINE,
+        )
+    )
+    for item in fields(kind):
+        default = item.default
+        text = str(list(default)) if isinstance(default, tuple) else str(default)
+        assert rows[item.name] == ("0 (exact)" if default is None else text), item.name
+
+
+def test_shipped_parameter_file_names_only_known_parameters():
+    known = set(re.findall(r"`(\w+)`", (ROOT / "docs/parameters.md").read_text("utf-8")))
+    document = yaml.safe_load((ROOT / "config/params.yaml").read_text("utf-8"))
+    for block in document.values():
+        assert set(block["ros__parameters"]) <= known
