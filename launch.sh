@@ -5,50 +5,70 @@ cd "$(dirname "$(readlink -f "$0")")"
 
 fail() { echo "launch.sh: $*" >&2; exit 2; }
 
+# The interpreter itself, not that of a virtual environment that happens to be active.
 find_python() {
+    local candidate
     for candidate in "${PYTHON:-}" python3 python3.12 python3.11; do
         [ -n "$candidate" ] && command -v "$candidate" >/dev/null 2>&1 || continue
-        if "$candidate" -c 'import sys; sys.exit(sys.version_info[:2] not in ((3, 11), (3, 12)))' \
-            2>/dev/null; then
-            echo "$candidate"
+        if "$candidate" -c 'import sys
+if sys.version_info[:2] not in ((3, 11), (3, 12)): sys.exit(1)
+print(sys._base_executable)' 2>/dev/null; then
             return
         fi
     done
 }
 
-# The virtual environment is complete when the stamp in it equals what it was made from.
+# The virtual environment is complete when the stamp in it equals what it was made from. An old one
+# is kept until the new one is complete, so that a failed attempt leaves what flew before.
 make_environment() {
-    local sourced_ros="" python stamp wanted
-    [ "${ROS_DISTRO:-}" = jazzy ] && sourced_ros=jazzy
-    wanted="$(cat requirements.txt - <<<"ros=$sourced_ros $PWD" | sha256sum)"
-    stamp=.venv/.requirements
-    [ -f "$stamp" ] && [ "$(cat "$stamp")" = "$wanted" ] && return
+    local python wanted
+    wanted="$(cat requirements.txt - <<<"$PWD" | sha256sum)"
+    [ -f "$venv/.requirements" ] && [ "$(cat "$venv/.requirements")" = "$wanted" ] && return
     [ "$(uname -s)" = Linux ] || fail "$(uname -s): expected Linux"
-    if [ -z "$sourced_ros" ] && [ "$(uname -m)" != x86_64 ]; then
+    if [ "$venv" = .venv ] && [ "$(uname -m)" != x86_64 ]; then
         fail "there are no ROS wheels for $(uname -m): install ROS 2 Jazzy, source it, try again"
     fi
     python="$(find_python)"
     [ -n "$python" ] || fail "no Python 3.11 or 3.12: install one, or set PYTHON to it"
     "$python" -c 'import ensurepip, venv' 2>/dev/null ||
         fail "no venv module: run 'sudo apt install python3-venv' and try again"
-    echo "Setting up .venv (once, a few minutes) ..."
-    rm -rf .venv
-    if [ -n "$sourced_ros" ]; then
-        "$python" -m venv --system-site-packages .venv
+    if [ "$venv" = .venv-ros ] && ! "$python" -c 'import colcon_core' 2>/dev/null; then
+        fail "no colcon: run 'sudo apt install python3-colcon-common-extensions' and try again"
+    fi
+    echo "Setting up $venv (once, a few minutes) ..."
+    rm -rf "$venv.old"
+    [ ! -d "$venv" ] || mv "$venv" "$venv.old"
+    trap 'restore; exit 130' INT TERM
+    if ! install_requirements "$python"; then
+        restore
+        fail "pip could not install requirements.txt: is there a network?"
+    fi
+    trap - INT TERM
+    rm -rf "$venv.old"
+    echo "$wanted" >"$venv/.requirements"
+}
+
+install_requirements() {
+    if [ "$venv" = .venv-ros ]; then
         # ROS brings rclpy, messages, colcon and setuptools; install only what it does not.
-        sed '1,/^# What ROS 2 Jazzy does not bring/d' requirements.txt >.venv/missing.txt
-        .venv/bin/pip install --quiet --disable-pip-version-check -r .venv/missing.txt
+        "$1" -m venv --system-site-packages "$venv" &&
+            sed '1,/^# What ROS 2 Jazzy does not bring/d' requirements.txt >"$venv/missing.txt" &&
+            "$venv/bin/pip" install --quiet --disable-pip-version-check -r "$venv/missing.txt"
     else
-        "$python" -m venv .venv
-        .venv/bin/pip install --quiet --disable-pip-version-check -r requirements.txt
-    fi || fail "pip could not install requirements.txt: is there a network?"
-    echo "$wanted" >"$stamp"
+        "$1" -m venv "$venv" &&
+            "$venv/bin/pip" install --quiet --disable-pip-version-check -r requirements.txt
+    fi
+}
+
+restore() {
+    rm -rf "$venv"
+    [ ! -d "$venv.old" ] || mv "$venv.old" "$venv"
 }
 
 # The build is fresh when nothing under src is newer than it.
 build() {
     local stamp=install/.built
-    if [ -f "$stamp" ] && [ "$stamp" -nt .venv/.requirements ] &&
+    if [ -f "$stamp" ] && [ "$stamp" -nt "$venv/.requirements" ] &&
         [ -z "$(find src colcon.meta -newer "$stamp" -not -path '*/__pycache__*' \
             -not -path '*.egg-info*' -print -quit)" ]; then
         return
@@ -62,9 +82,15 @@ build() {
     touch "$stamp"
 }
 
+venv=.venv
+case "${ROS_DISTRO:-}" in
+"") ;;
+jazzy) venv=.venv-ros ;;
+*) fail "ROS 2 $ROS_DISTRO is sourced: expected Jazzy, or none" ;;
+esac
 make_environment
 # shellcheck disable=SC1091
-. .venv/bin/activate
+. "$venv/bin/activate"
 build
 # shellcheck disable=SC1091
 set +u && . install/setup.bash && set -u

@@ -3,12 +3,14 @@
 set -eu
 cd "$(dirname "$(readlink -f "$0")")"
 ./launch.sh --setup
+venv=.venv
+[ "${ROS_DISTRO:-}" != jazzy ] || venv=.venv-ros
 # shellcheck disable=SC1091
-. .venv/bin/activate
+. "$venv/bin/activate"
 wanted="$(sha256sum <requirements-test.txt)"
-if [ ! -f .venv/.test ] || [ "$(cat .venv/.test)" != "$wanted" ]; then
+if [ ! -f $venv/.test ] || [ "$(cat $venv/.test)" != "$wanted" ]; then
     pip install --quiet --disable-pip-version-check -r requirements-test.txt
-    echo "$wanted" >.venv/.test
+    echo "$wanted" >$venv/.test
 fi
 # shellcheck disable=SC1091
 set +u && . install/setup.bash && set -u

@@ -15,10 +15,11 @@ from sar_planner.parameters import CornerParameters
 
 ROOT = Path(__file__).parents[1]
 SOURCES = sorted((ROOT / "src").glob("*/sar_*/*.py"))
+INPUT_OUTPUT = {"node_support", "link", "processes"}
 PURE = [
     path
     for path in SOURCES
-    if not path.stem.endswith(("_node", "_cli")) and path.stem != "node_support"
+    if not path.stem.endswith(("_node", "_cli")) and path.stem not in INPUT_OUTPUT
 ]
 WITH_SERIALISATION = {"offline", "import_track"}
 

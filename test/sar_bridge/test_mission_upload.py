@@ -66,10 +66,11 @@ def test_last_item_waits_longer_for_the_final_ack():
     assert len(upload.tick(1.6)) == 1
 
 
-def test_requests_out_of_order_and_repeated_are_served():
+def test_repeated_requests_are_served_and_those_from_nowhere_are_not():
     upload = MissionUpload(TARGET)
     upload.start(items(4), None, 0.0)
-    assert [upload.handle(request(s), 0.1)[0].seq for s in (0, 0, 2, 1)] == [0, 0, 2, 1]
+    assert upload.handle(request(2), 0.1) == []
+    assert [upload.handle(request(s), 0.1)[0].seq for s in (0, 0, 1, 0, 2)] == [0, 0, 1, 0, 2]
     assert upload.handle(request(9), 0.1) == []
     assert upload.state is UploadState.SENDING
 
@@ -80,7 +81,32 @@ def test_early_ack_of_an_older_upload_is_not_taken():
     upload.handle(ack(), 0.1)
     upload.handle(request(0), 0.1)
     upload.handle(ack(mavlink.MAV_MISSION_OPERATION_CANCELLED), 0.1)
+    upload.handle(ack(mavlink.MAV_MISSION_INVALID_SEQUENCE), 0.1)
     assert upload.active
+
+
+@pytest.mark.parametrize("delay", [0.1, 0.4, 0.9])
+def test_slow_radio(delay):
+    """Round trips longer than the item time-out: repeats meet INVALID_SEQUENCE and go on."""
+    upload = MissionUpload(TARGET)
+    now, wanted = 0.0, 0
+    up = [(delay, message) for message in upload.start(items(12), None, 0.0)]
+    down = []
+    while upload.active and now < 60.0:
+        now += 0.05
+        for at, message in [entry for entry in up if entry[0] <= now]:
+            up.remove((at, message))
+            if message.get_type() == "MISSION_COUNT" or message.seq == wanted:
+                wanted += message.get_type() != "MISSION_COUNT"
+                down.append((now + delay, ack() if wanted == 12 else request(wanted)))
+            else:
+                down.append((now + delay, ack(mavlink.MAV_MISSION_INVALID_SEQUENCE)))
+        for at, message in [entry for entry in down if entry[0] <= now]:
+            down.remove((at, message))
+            up += [(now + delay, answer) for answer in upload.handle(message, now)]
+        up += [(now + delay, message) for message in upload.tick(now)]
+    assert upload.state is UploadState.ACCEPTED
+    assert wanted == 12
 
 
 def test_error_ack_ends_with_its_name():

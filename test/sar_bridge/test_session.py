@@ -154,9 +154,51 @@ def test_a_new_engagement_after_a_release(bench):
     assert not bench.session.released
 
 
-def test_return_home(bench):
+def test_return_home_is_not_overridden_by_a_planner_that_goes_on(bench):
+    bench.session.set_list(LINE, 1.0, DATUM, bench.now)  # the upload is under way
     bench.exchange(bench.session.return_home(bench.now))
     assert bench.autopilot.mode is FlightMode.RTL
+    bench.exchange(bench.session.set_list(LINE, 2.0, DATUM, bench.now))
+    bench.run(5.0)
+    assert bench.autopilot.mode is FlightMode.RTL
+    assert bench.autopilot.items == []
+
+
+def test_lost_ack_of_auto_is_not_repeated_against_a_human(bench):
+    messages = bench.session.set_list(LINE, 1.0, DATUM, bench.now)
+    real, bench.server._set_mode = bench.server._set_mode, lambda _number: 4  # nothing happens
+    bench.exchange(messages)
+    bench.server._set_mode = real
+    bench.mode(FlightMode.LOITER)
+    assert bench.session.released
+    bench.run(8.0)
+    assert bench.autopilot.mode is FlightMode.LOITER
+
+
+def test_disengaging_withdraws_a_command_under_way(bench):
+    bench.session.set_list(LINE, 1.0, DATUM, bench.now)
+    bench.session._commands.send(Command(mavlink.MAV_CMD_DO_SET_MODE, (1.0, 10.0)), bench.now)
+    bench.session.set_list(np.empty((0, 2)), 2.0, DATUM, bench.now)
+    assert bench.session._commands.tick(bench.now + 50.0) == []
+
+
+def test_telemetry_is_asked_for_again_when_it_stops(bench):
+    def asked():
+        return sum(n == mavlink.MAV_CMD_SET_MESSAGE_INTERVAL for n in command_numbers(bench))
+
+    before = asked()
+    bench.run(5.0)
+    assert asked() == before
+    bench.session.state.position_s = -math.inf
+    bench.server._next_position_s = math.inf  # the autopilot has forgotten its streams
+    bench.run(5.0)
+    assert asked() >= before + 6
+
+
+def test_quadplanes_fly_arduplanes_modes():
+    state = AutopilotState()
+    state._vehicle = mavlink.MAV_TYPE_VTOL_TILTROTOR
+    assert state.mode_number("RTL") == FlightMode.RTL
 
 
 def test_list_given_before_the_autopilot_is_heard_goes_out_when_it_is():

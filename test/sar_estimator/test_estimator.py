@@ -134,6 +134,23 @@ def test_slowing_down_and_going_on_withdraws_the_corner():
     assert estimator.corner is None
 
 
+@pytest.mark.parametrize("slowest", [8.0, 12.0, 16.0])
+def test_slowing_without_stopping_is_withdrawn_and_teaches_nothing(slowest):
+    estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
+    x, v = 0.0, V
+    for i in range(120):
+        for _ in range(10):
+            accel = (
+                -2.5 if i >= 60 and v > slowest and i < 75 else 2.0 if i >= 75 and v < V else 0.0
+            )
+            v += 0.1 * accel
+            x += 0.1 * v
+        estimator.add_fix(fix_at(float(i), x, 0.0, 1.0))
+    assert estimator.withdrawn_corners == 1
+    assert estimator._tracker._prior.centre_mps2 == 2.5
+    assert estimator.phase(119.0) is Phase.CRUISE
+
+
 def test_hover_keeps_stopped_until_it_leaves():
     estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
     rng = np.random.default_rng(5)
@@ -230,12 +247,45 @@ def test_first_fix_is_the_datum():
     assert (motion.x_m, motion.y_m) == pytest.approx((0.0, 0.0), abs=1e-6)
 
 
-def test_bad_velocity_is_refused():
+def test_bad_velocities_are_counted_and_move_nothing():
     *_, (t, estimator) = fly(1e9, sigma=1.0, seed=2, until=40)
-    assert not estimator.add_velocity(t + 1.0, math.nan, 0.0, 0.1)
+    before = estimator.predict(t + 1.0).motion
+    assert not estimator.add_velocity(t + 0.5, math.nan, 0.0, 0.1)
     assert not estimator.add_velocity(t - 5.0, V, 0.0, 0.1)
-    assert not estimator.add_velocity(t + 1.0, -V, 0.0, 0.1)
-    assert estimator.add_velocity(t + 1.0, V, 0.0, 0.1)
+    assert not estimator.add_velocity(t + 0.5, 500.0, 0.0, 0.1)
+    assert estimator.refused_velocities == 3
+    assert estimator.add_velocity(t + 0.5, -V, 0.0, 0.1)  # looked at when the next fix comes
+    assert estimator.predict(t + 1.0).motion == before
+    estimator.add_fix(fix_at(t + 1.0, V * (t + 1.0), 0.0, 1.0))
+    assert estimator.refused_velocities == 4
+    assert estimator.predict(t + 1.0).motion.vx_mps == pytest.approx(V, abs=1.0)
+    assert estimator.corner is None
+
+
+def test_a_velocity_from_the_future_waits_and_harms_nothing():
+    *_, (t, estimator) = fly(1e9, sigma=1.0, seed=2, until=40)
+    estimator.add_velocity(t + 3600.0, V, 0.0, 0.1)
+    for i in range(1, 10):
+        assert estimator.add_fix(fix_at(t + i, V * (t + i), 0.0, 1.0)) is Verdict.ACCEPTED
+    assert estimator.predict(t + 9.0).motion.x_m == pytest.approx(V * (t + 9.0), abs=3.0)
+
+
+def test_one_wrong_velocity_does_not_leave_a_corner_standing():
+    for wrong in (6.0, 10.0, 14.0, 17.0):
+        corners = []
+        estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
+        for i in range(80):
+            estimator.add_velocity(i, wrong if i == 60 else V, 0.0, 0.1)
+            estimator.add_fix(fix_at(float(i), V * i, 0.0, 3.0))
+            corners.append(estimator.corner is not None)
+        assert sum(corners) <= 2, wrong
+        assert estimator.phase(79.0) is Phase.CRUISE
+
+
+def test_fix_without_altitude_is_a_datum_all_the_same():
+    estimator = HelicopterEstimator(EstimatorParameters())
+    assert estimator.add_fix(Fix(0.0, 43.6, 1.44, math.nan)) is Verdict.ACCEPTED
+    assert estimator.datum == Datum(43.6, 1.44, 0.0)
 
 
 @pytest.mark.parametrize("rate", [0.5, 2.0, 10.0])

@@ -226,11 +226,123 @@ def test_bad_mission_parameters_are_named():
         ({"reaction_s": -1.0}, "reaction_s"),
         ({"arc_spacing_m": -1.0}, "arc_spacing_m"),
         ({"horizon_m": 0.0}, "horizon_m"),
+        ({"speed_range": (0.75,)}, "speed_range"),
+        ({"accel_range": (2.0, 1.0)}, "accel_range"),
     ):
         with pytest.raises(ParameterError, match=named):
             planner(**changes)
     with pytest.raises(ParameterError, match="deadbeat"):
         planner(rules="deadbeat")
+
+
+def past_corner(plan, *, engage_at=160.0):
+    """The helicopter has flown corner 1 while nobody was engaged; the UAV is on the new slot."""
+    plan.disengage()
+    plan.set_corner(corner(100.0))
+    plan.set_phase(Phase.CRUISE)
+    plan.set_helicopter(Motion(engage_at, 80.0, -900.0, 0.0, -20.0))
+    plan.set_uav(Motion(engage_at, -170.0, -900.0, 0.0, -20.0))
+    plan.set_leg(leg(engage_at, x=80.0, heading=-math.pi / 2))
+    assert plan.engage(engage_at) == ""
+    return plan.update(engage_at)
+
+
+def test_engaging_after_a_corner_does_not_plan_it_again():
+    listed = past_corner(on_leg(0.0))
+    assert listed.mode == "leg"
+    assert listed.points[0] == pytest.approx((-170.0, -1050.0))
+
+
+def test_disengaging_in_a_corner_and_engaging_again_does_not_plan_it_again():
+    plan = on_leg(600.0)
+    plan.set_phase(Phase.DECELERATING)
+    plan.set_corner(corner(100.0))
+    plan.update(100.0)
+    assert past_corner(plan).mode == "leg"
+
+
+@pytest.mark.parametrize(
+    "uav", [(-500.0, 1500.0, -20.0), (-100.0, -250.0, -20.0), (0.0, -400.0, 20.0)]
+)
+def test_a_uav_that_is_not_on_its_slot_gets_no_corner_path(uav):
+    plan = on_leg(100.0)
+    plan.update(100.0)
+    plan.set_uav(Motion(100.0, uav[0], uav[1], uav[2], 0.0))
+    plan.set_phase(Phase.DECELERATING)
+    plan.set_corner(corner(100.0))
+    listed = plan.update(100.0)
+    assert listed is None or listed.mode == "leg"
+    assert "not planned" in plan.problem
+    plan.update(100.1)
+    assert "not planned" in plan.problem  # told until the next corner
+
+
+def test_old_leg_heard_while_the_helicopter_hovers_is_not_flown():
+    plan = on_leg(0.0)
+    plan.update(100.0)
+    plan.set_corner(corner(100.0))
+    plan.update(100.0)
+    end = plan.active.frame.pose_to_map(plan.active.plan.path.end)
+    plan.set_uav(Motion(101.0, 0.0, -250.0, 20.0, 0.0))
+    plan.set_helicopter(Motion(101.0, 10.0, 0.0, 20.0, 0.0))
+    plan.update(101.0)
+    plan.set_helicopter(Motion(150.0, 80.0, 0.0, 0.0, 0.0))
+    plan.set_uav(Motion(150.0, end.x_m, end.y_m - 5.0, 0.0, -20.0))
+    assert plan.update(150.0).points[:, 0] == pytest.approx([-170.0] * 2, abs=1e-6)
+    plan.set_leg(leg(95.0))
+    assert plan.update(150.1) is None
+
+
+def test_a_second_corner_waits_for_the_first():
+    plan = on_leg(1200.0)
+    plan.update(100.0)
+    plan.set_corner(corner(100.0))
+    plan.update(100.0)
+    first = plan.active
+    plan.set_helicopter(Motion(136.0, 80.0, -400.0, 0.0, -20.0))
+    plan.set_uav(Motion(136.0, -480.0, -250.0, 20.0, 0.0))
+    second = replace(corner(134.0, time_s=136.0), stop=Pose(80.0, -500.0, -math.pi / 2))
+    plan.set_corner(second)
+    assert plan.update(136.0) is None
+    assert plan.active.k == 1
+    assert plan.active.path == first.path
+    assert plan.corners_seen == 2
+
+
+def test_release_from_guided_to_anything_but_auto():
+    plan = on_leg(0.0)
+    plan.status = UavStatus("GUIDED", armed=True, connected=True)
+    plan._in_auto = False
+    plan.set_status(UavStatus("RTL", armed=True, connected=True))
+    assert plan.mode is Mode.IDLE
+
+
+def test_clock_set_back_forgets_the_future():
+    plan = on_leg(300.0, time_s=5000.0)
+    plan.update(5000.0)
+    plan.set_corner(corner(5000.0))
+    plan.update(5000.0)
+    plan.set_clock_back()
+    assert plan.active is None
+    seen = plan.corners_seen
+    plan.set_corner(corner(100.0))
+    assert plan.corners_seen == seen + 1
+
+
+def test_nonsense_in_flight_is_told_and_survived():
+    plan = on_leg(300.0)
+    plan.update(100.0)
+    plan.set_leg(replace(leg(101.0), foot=Pose(math.nan, 0.0, 0.0)))
+    assert plan.update(100.1) is None
+    tight = MissionPlanner(CornerParameters(spacing_m=105.0), MissionParameters())
+    tight.set_status(FLYING)
+    tight.set_helicopter(Motion(100.0, 0.0, 0.0, 20.0, 0.0))
+    tight.set_uav(Motion(100.0, -250.0, -105.0, 20.0, 0.0))
+    tight.set_phase(Phase.CRUISE)
+    tight.set_leg(leg(100.0))
+    assert tight.engage(100.0) == ""
+    tight.set_corner(corner(100.0, accel=5.0, speed=17.5))
+    tight.update(100.0)
 
 
 EVENTS = ("leg", "corner", "refine", "phase", "uav", "engage", "disengage", "human", "back", "wait")

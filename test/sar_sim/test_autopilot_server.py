@@ -70,7 +70,9 @@ def test_wrong_sequence_and_items_out_of_the_blue_are_ignored(server):
     items = waypoint_items(np.array([[100.0, 5.0]]), DATUM, 150.0)
     assert tell(server, item(0, items[0])) == []
     tell(server, mavlink.MAVLink_mission_count_message(1, 1, 3))
-    assert tell(server, item(2, items[2])) == []
+    (wrong,) = tell(server, item(2, items[2]))
+    assert wrong.type == mavlink.MAV_MISSION_INVALID_SEQUENCE
+    assert server.transferring(0.0)
 
 
 def test_fences_are_not_supported_and_nothing_clears_the_mission(server):

@@ -57,6 +57,10 @@ def test_recorded_track():
     [
         ({"simulation": False}, "--no-sim: expected --autopilot"),
         ({"simulation": False, "autopilot": "udp:1.2.3.4:5"}, "--no-sim: expected --helicopter"),
+        (
+            {"simulation": False, "autopilot": "udp:1.2.3.4:5", "helicopter": "a.csv"},
+            "--no-sim: exp",
+        ),
         ({"speed": 0.0}, "--speed 0.0"),
         ({"speed": 5.0, "helicopter": "topic"}, "--speed 5.0: a live helicopter flies at 1"),
     ],

@@ -72,6 +72,7 @@ class AutopilotState:
         self.current_item = 0
         self.clock = BootClock()
         self.telemetry: UavTelemetry | None = None
+        self.position_s = -math.inf
         self._vehicle = mavlink.MAV_TYPE_FIXED_WING
         self._attitude = (0.0, 0.0)
 
@@ -92,6 +93,7 @@ class AutopilotState:
         elif kind == "MISSION_CURRENT":
             self.current_item = message.seq
         elif kind == "GLOBAL_POSITION_INT" and datum is not None:
+            self.position_s = monotonic_s
             return self._position(message, ros_s, datum)
         return False
 
@@ -105,9 +107,13 @@ class AutopilotState:
         self.mode = mavutil.mode_string_v10(message)
 
     def mode_number(self, name: str) -> int:
-        """Return the autopilot's number of a flight mode. Raises ``KeyError`` when it has none."""
-        mapping = mavutil.mode_mapping_byname(self._vehicle) or {}
-        return int(mapping[name])
+        """Return the autopilot's number of a flight mode. Raises ``KeyError`` when it has none.
+
+        Types without a table of their own (quadplanes) fly ArduPlane's modes.
+        """
+        mapping = mavutil.mode_mapping_byname(self._vehicle)
+        fallback = mavutil.mode_mapping_byname(mavlink.MAV_TYPE_FIXED_WING)
+        return int((mapping or fallback)[name])
 
     def _position(self, message: mavlink.MAVLink_message, ros_s: float, datum: Datum) -> bool:
         latitude, longitude = message.lat / 1e7, message.lon / 1e7

@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 
+import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry, Path
 from rclpy.clock import Clock, ClockType
@@ -50,7 +51,8 @@ class BridgeNode(Node):
         self._told_state = ""
         self._told_upload: object = None
         self._running = True
-        self._started_s = now_s(self)
+        self._started_s = 0.0
+        self._early_list: Path | None = None
         self._odometry = self.create_publisher(Odometry, topics.UAV_ODOMETRY, RELIABLE)
         self._state = self.create_publisher(String, topics.UAV_STATE, LATCHED)
         self._uploaded = self.create_publisher(String, topics.UPLOADED, RELIABLE)
@@ -75,11 +77,8 @@ class BridgeNode(Node):
 
     def _read(self) -> None:
         while self._running:
-            try:
-                received = self._link.receive(0.05)
-            except OSError as error:
-                self.get_logger().warning(f"link: {error}", throttle_duration_sec=5.0)
-                time.sleep(0.2)
+            received = self._link.receive(0.05)
+            if not received:
                 continue
             with self._lock:
                 for message in received:
@@ -122,37 +121,49 @@ class BridgeNode(Node):
             return
         with self._lock:
             self._datum = datum
+            if self._early_list is not None:
+                self._take_list(self._early_list, datum)
 
     def _on_list(self, message: Path) -> None:
+        if not np.isfinite(path_to_points(message)).all():
+            self.get_logger().error("waypoint list with a position that is no number: refused")
+            return
         with self._lock:
             if self._datum is None:
-                self.get_logger().error("waypoint list without a datum: not uploaded")
-                return
-            stamp = from_stamp(message.header.stamp)
-            self._send(
-                self._session.set_list(
-                    path_to_points(message),
-                    stamp,
-                    self._datum,
-                    time.monotonic(),
-                    may_engage=stamp >= self._started_s,
-                )
+                self._early_list = message
+            else:
+                self._take_list(message, self._datum)
+
+    def _take_list(self, message: Path, datum: Datum) -> None:
+        """Upload a list; one from before this node's start never changes the mode."""
+        self._early_list = None
+        stamp = from_stamp(message.header.stamp)
+        self._send(
+            self._session.set_list(
+                path_to_points(message),
+                stamp,
+                datum,
+                time.monotonic(),
+                may_engage=0.0 < self._started_s <= stamp,
             )
+        )
 
     def _on_return_home(
         self, _request: Trigger.Request, response: Trigger.Response
     ) -> Trigger.Response:
         with self._lock:
             now = time.monotonic()
-            response.success = self._session.connected(now)
+            commands = self._session.return_home(now)
+            self._send(commands)
+            response.success = bool(commands) and self._session.connected(now)
             response.message = "RTL commanded" if response.success else "no autopilot heard"
-            if response.success:
-                self._send(self._session.return_home(now))
         self.get_logger().info(f"return home: {response.message}")
         return response
 
     def _on_tick(self) -> None:
         now = time.monotonic()
+        if self._started_s == 0.0:
+            self._started_s = now_s(self)  # the first time a simulated clock is known
         with self._lock:
             self._send(self._session.tick(now))
             state = self._session.state
@@ -176,6 +187,7 @@ class BridgeNode(Node):
                 "armed": session.state.armed,
                 "current_item": session.state.current_item,
                 "reboots": session.state.clock.reboots,
+                "link_breaks": self._link.breaks,
                 "upload_ms": "" if uploaded is None else f"{1e3 * uploaded.duration_s:.0f}",
             }
             problem = session.problem(now)

@@ -77,6 +77,10 @@ class CommandQueue:
             due.append(pending.command.message(self.target, pending.tries + 1))
         return due
 
+    def cancel(self, number: int) -> None:
+        """Forget one command under way."""
+        self._pending.pop(number, None)
+
     def clear(self) -> None:
         """Forget every command under way."""
         self._pending.clear()

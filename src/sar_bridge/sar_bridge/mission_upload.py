@@ -16,6 +16,8 @@ from sar_bridge.mission_items import MissionItem
 COUNT_TIMEOUT_S = 1.5
 ITEM_TIMEOUT_S = 0.25
 RETRIES = 5
+# ArduPilot says INVALID_SEQUENCE to an item it has already, and CANCELLED of a superseded list.
+GOES_ON = (mavlink.MAV_MISSION_INVALID_SEQUENCE, mavlink.MAV_MISSION_OPERATION_CANCELLED)
 
 
 class UploadState(enum.StrEnum):
@@ -107,8 +109,8 @@ class MissionUpload:
         seq = message.seq
         if getattr(message, "mission_type", 0) != mavlink.MAV_MISSION_TYPE_MISSION:
             return []
-        if seq >= len(self._items):
-            # A request left over from a longer list that this one superseded.
+        if seq >= len(self._items) or seq > self._highest_asked + 1:
+            # Left over from a list that this one superseded: to answer would mix the two.
             return []
         self.state = UploadState.SENDING
         self._highest_asked = max(self._highest_asked, seq)
@@ -137,9 +139,7 @@ class MissionUpload:
             if complete:
                 self.state, self.finished_s = UploadState.ACCEPTED, now_s
             # An early ACCEPTED answers an earlier upload: keep on.
-        elif message.type == mavlink.MAV_MISSION_OPERATION_CANCELLED and not complete:
-            return
-        else:
+        elif message.type not in GOES_ON:
             name = mavlink.enums["MAV_MISSION_RESULT"].get(message.type)
             self._fail(f"autopilot refused: {name.name if name else message.type}", now_s)
 

@@ -19,6 +19,8 @@ from sar_estimator.geodesy import Datum
 HEARTBEAT_PERIOD_S = 1.0
 LINK_TIMEOUT_S = 3.0
 RETRY_LIST_S = 1.0
+LATE_POSITION_S = 0.5
+STREAM_RETRY_S = 2.0
 STREAMS = {
     mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: 10.0,
     mavlink.MAVLINK_MSG_ID_ATTITUDE: 10.0,
@@ -57,8 +59,10 @@ class AutopilotSession:
         self._points: FloatArray | None = None
         self._stamp_s = 0.0
         self._datum: Datum | None = None
-        self._in_auto = False
         self._engaging = False
+        self._returning = False
+        self._mode_flown = ""
+        self._streams_asked_s = float("-inf")
         self._heartbeat_sent_s = float("-inf")
 
     # What is asked of the session --------------------------------------------------------------
@@ -78,25 +82,34 @@ class AutopilotSession:
         was published before this session began).
         """
         if len(points) == 0:
-            self._points = None
-            self._engaging = self.released = False
-            self._in_auto = False
-            if self._upload is not None:
-                self._upload.cancel()
+            self._let_go()
+            self.released = self._returning = False
+            return []
+        if self.released or self._returning:
             return []
         if self._points is None:
             self._engaging = may_engage
-            self.released = False
+            self._mode_flown = self.state.mode
         self._points, self._stamp_s, self._datum = points, stamp_s, datum
         return self._start_upload(now_s)
 
     def return_home(self, now_s: float) -> Messages:
-        """Command RTL and let go of the list."""
+        """Command RTL and take no more lists until the planner has withdrawn its own.
+
+        Returns nothing when the autopilot has no such mode or none was heard yet.
+        """
+        self._let_go()
+        self._returning = True
+        return self._mode_command("RTL", now_s)
+
+    def _let_go(self) -> None:
+        """Forget the list, and whatever is under way for it."""
         self._points = None
-        self._engaging = self._in_auto = False
+        self._engaging = False
         if self._upload is not None:
             self._upload.cancel()
-        return self._mode_command("RTL", now_s)
+        if self._commands is not None:
+            self._commands.clear()
 
     # Messages ----------------------------------------------------------------------------------
 
@@ -136,12 +149,8 @@ class AutopilotSession:
         self.address = address
         self._upload = MissionUpload(address)
         self._commands = CommandQueue(address)
-        # One command kind is pending at a time, so the streams are asked for without waiting.
-        streams = [
-            Command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, (number, 1e6 / rate)).message(address, 0)
-            for number, rate in STREAMS.items()
-        ]
-        return streams + self._start_upload(now_s)
+        self._mode_flown = ""
+        return self._start_upload(now_s)
 
     def tick(self, now_s: float) -> Messages:
         """Return what is due: heartbeats, repeats, and a list that failed before."""
@@ -159,11 +168,28 @@ class AutopilotSession:
                 )
             )
         if self._upload is not None and self._commands is not None:
-            out += self._upload.tick(now_s) + self._commands.tick(now_s)
+            if self.state.mode != "GUIDED" and not self._returning:
+                self._commands.cancel(mavlink.MAV_CMD_DO_SET_MODE)  # never AUTO against a human
+            out += (
+                self._ask_for_streams(now_s) + self._upload.tick(now_s) + self._commands.tick(now_s)
+            )
             failed = self._upload.state is UploadState.FAILED
-            if failed and now_s - self._upload.finished_s > RETRY_LIST_S and not self.released:
+            if failed and now_s - self._upload.finished_s > RETRY_LIST_S:
                 out += self._start_upload(now_s)
         return out
+
+    def _ask_for_streams(self, now_s: float) -> Messages:
+        """Ask for telemetry, again whenever positions are late (lost request, reboot)."""
+        late = now_s - self.state.position_s > LATE_POSITION_S
+        if self.address is None or not late or now_s - self._streams_asked_s < STREAM_RETRY_S:
+            return []
+        self._streams_asked_s = now_s
+        return [
+            Command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, (number, 1e6 / rate)).message(
+                self.address, 0
+            )
+            for number, rate in STREAMS.items()
+        ]
 
     # What is known -----------------------------------------------------------------------------
 
@@ -186,7 +212,7 @@ class AutopilotSession:
     # Steps -------------------------------------------------------------------------------------
 
     def _start_upload(self, now_s: float) -> Messages:
-        if self._upload is None or self._points is None or self.released or self._datum is None:
+        if self._upload is None or self._points is None or self._datum is None:
             return []
         items = waypoint_items(self._points, self._datum, self.altitude_m)
         if not self.state.ardupilot:
@@ -215,19 +241,22 @@ class AutopilotSession:
     def _mode_command(self, name: str, now_s: float) -> Messages:
         if self._commands is None:
             return []
-        number = self.state.mode_number(name)
+        try:
+            number = self.state.mode_number(name)
+        except KeyError:
+            return []
         custom = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
         return self._commands.send(
             Command(mavlink.MAV_CMD_DO_SET_MODE, (custom, float(number))), now_s
         )
 
     def _watch_mode(self) -> None:
-        """Let go at once when AUTO was left by somebody else while a list was flown."""
-        in_auto = self.state.mode == "AUTO"
-        if self._points is not None and self._in_auto and not in_auto:
-            self.released = True
-            if self._upload is not None:
-                self._upload.cancel()
-            if self._commands is not None:
-                self._commands.clear()
-        self._in_auto = in_auto and self._points is not None
+        """Let go at once when somebody else chose a mode while a list is to be flown."""
+        if self._points is None:
+            return
+        was, mode = self._mode_flown, self.state.mode
+        self._mode_flown = mode
+        if mode == "AUTO" or (mode == "GUIDED" and was != "AUTO"):
+            return
+        self._let_go()
+        self.released = True

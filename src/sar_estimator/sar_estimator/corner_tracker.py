@@ -18,6 +18,10 @@ STANDSTILL_S = 5.0
 MOVING_MPS = 3.0
 LEFT_STOP_M = 8.0
 LEARNT_SPREAD_FLOOR = 0.1
+LEARNT_RANGE = 1.8
+STOP_CONFIRM_S = 2.0
+STOPPED_SHARE = 0.4
+MOVING_FIXES = 2
 
 
 class CornerTracker:
@@ -38,6 +42,7 @@ class CornerTracker:
         self._posterior: StopPosterior | None = None
         self._detected_s = -math.inf
         self._rows_from_s = -math.inf
+        self._moving_fixes = 0
         self._still_since_s: float | None = None
         self._cruise_after_s = -math.inf
         self._cruise_speed_mps: float | None = None
@@ -150,12 +155,21 @@ class CornerTracker:
         )
         rows = self._tracker.rows_since(self._rows_from_s)
         self._publish(self._infer(rows, onset_range), motion.time_s)
+        cruise = self._posterior.speed_mps
         expected = self._expected_speed(motion.time_s)
         along = motion.speed_mps * math.cos(motion.course_rad - self._settled.heading_rad)
-        if along > max(0.6 * self._posterior.speed_mps, expected + 0.4 * self._posterior.speed_mps):
+        overdue_s = motion.time_s - self._posterior.stop_time_s
+        moving = along > STOPPED_SHARE * cruise
+        if (
+            self._posterior.log_bayes_factor < 0.0
+            or along > max(0.6 * cruise, expected + 0.4 * cruise)
+            or (moving and overdue_s > STOP_CONFIRM_S)
+        ):
             self._withdraw(motion)
-        elif motion.time_s >= self._posterior.stop_time_s:
+        elif overdue_s >= 0.0 and not moving:
             self.phase = Phase.STOPPED
+            self.leg = None
+            self._moving_fixes = 0
             self._learn(self._posterior)
 
     def _expected_speed(self, time_s: float) -> float:
@@ -169,13 +183,15 @@ class CornerTracker:
         self._begin_moving(motion)
 
     def _learn(self, posterior: StopPosterior) -> None:
-        """Sharpen the prior on a with a corner that was flown to its stop."""
+        """Sharpen the prior on a with a corner that was flown to its stop, within reason."""
         spread = max(LEARNT_SPREAD_FLOOR, posterior.accel_sigma_mps2 / posterior.accel_mps2)
         old, new = 1.0 / self._prior.spread**2, 1.0 / spread**2
         centre = math.exp(
             (old * math.log(self._prior.centre_mps2) + new * math.log(posterior.accel_mps2))
             / (old + new)
         )
+        first = self._p.accel_prior_mps2
+        centre = min(first * LEARNT_RANGE, max(first / LEARNT_RANGE, centre))
         self._prior = AccelPrior(centre, max(LEARNT_SPREAD_FLOOR, math.sqrt(1.0 / (old + new))))
         self._cruise_speed_mps = posterior.speed_mps
 
@@ -187,7 +203,8 @@ class CornerTracker:
             away = math.hypot(motion.x_m - stop.x_m, motion.y_m - stop.y_m)
             spread = math.sqrt(float(np.trace(self.corner.covariance)))
             moving = motion.speed_mps > MOVING_MPS and away > max(LEFT_STOP_M, 4.0 * spread)
-        if moving:
+        self._moving_fixes = self._moving_fixes + 1 if moving else 0
+        if self._moving_fixes >= MOVING_FIXES:
             self._begin_moving(motion)
 
     def _begin_moving(self, motion: Motion) -> None:
@@ -216,5 +233,6 @@ class CornerTracker:
             self._still_since_s = motion.time_s
         elif motion.time_s - self._still_since_s >= STANDSTILL_S:
             self.phase = Phase.STOPPED
+            self._moving_fixes = 0
             self.corner = self.leg = None
             self._tracker.clear()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from itertools import pairwise
 
 import numpy as np
@@ -25,12 +26,15 @@ UNKNOWN_SPEED_SIGMA_MPS = 40.0
 TOP_SPEED_MPS = 100.0
 SURPRISE_CHI2 = 9.0
 MAX_COAST_S = 3600.0
+TOP_ACCEL_MPS2 = 4.0
+MAX_VELOCITIES = 100
 
 
 class HelicopterEstimator:
     """One aircraft's estimator. Feed it in time order; it reads no clock of its own.
 
     ``datum`` is the map's origin, taken from the first usable fix when None was given.
+    ``refused_velocities``: how many Doppler velocities were not believed.
     """
 
     def __init__(self, parameters: EstimatorParameters, datum: Datum | None = None) -> None:
@@ -42,7 +46,9 @@ class HelicopterEstimator:
         self._filter: MotionFilter | None = None
         self._accepted_s = -math.inf
         self._outliers: list[tuple[float, float, float]] = []
-        self._velocities: list[LegRow] = []
+        self._velocities: deque[LegRow] = deque(maxlen=MAX_VELOCITIES)
+        self._velocity_s = -math.inf
+        self.refused_velocities = 0
 
     @property
     def counts(self) -> dict[Verdict, int]:
@@ -85,7 +91,8 @@ class HelicopterEstimator:
         if refusal not in (None, Verdict.REPEATED):
             return self.screen.note(fix, refusal)
         if self.datum is None:
-            self.datum = Datum(fix.latitude_deg, fix.longitude_deg, fix.altitude_m)
+            altitude = fix.altitude_m if math.isfinite(fix.altitude_m) else 0.0
+            self.datum = Datum(fix.latitude_deg, fix.longitude_deg, altitude)
         east, north, _ = self.datum.to_local(fix.latitude_deg, fix.longitude_deg)
         position, covariance = (east, north), self._fix_covariance(fix)
         prediction = self.predict(fix.time_s)
@@ -109,28 +116,50 @@ class HelicopterEstimator:
         return self.screen.note(fix, Verdict.ACCEPTED)
 
     def add_velocity(self, time_s: float, vx_mps: float, vy_mps: float, sigma_mps: float) -> bool:
-        """Take a Doppler velocity, not older than the newest fix; return whether it was used."""
+        """Take a Doppler velocity, in time order; return whether it may be used.
+
+        It is used with the next fix that is not older, so that it never runs ahead of the fixes.
+        """
         values = (time_s, vx_mps, vy_mps, sigma_mps)
-        usable = all(math.isfinite(value) for value in values) and sigma_mps > 0.0
-        if not usable or self._filter is None or time_s < self._filter.time_s - 1e-6:
+        usable = (
+            all(math.isfinite(value) for value in values)
+            and sigma_mps > 0.0
+            and math.hypot(vx_mps, vy_mps) <= TOP_SPEED_MPS
+            and time_s > max(self._accepted_s - 1e-6, self._velocity_s)
+        )
+        if not usable:
+            self.refused_velocities += 1
             return False
-        prediction = self._filter_at(time_s, self._accel_sigma()).motion
-        error = math.hypot(vx_mps - prediction.vx_mps, vy_mps - prediction.vy_mps)
-        if math.hypot(vx_mps, vy_mps) > TOP_SPEED_MPS or (
-            self._tracker.leg is not None and error > 0.75 * max(prediction.speed_mps, 10.0)
-        ):
-            return False
+        self._velocity_s = time_s
         sigma = math.hypot(sigma_mps, self.parameters.speed_noise_mps)
-        self._filter.advance(time_s, self._accel_sigma())
-        self._filter.update_velocity((vx_mps, vy_mps), sigma)
         self._velocities.append(LegRow(time_s, vx_mps, vy_mps, sigma, is_velocity=True))
         return True
+
+    def _use_velocities(self, until_s: float, accel_sigma_mps2: float) -> list[LegRow]:
+        """Update with the velocities not newer than a fix; return those that were believed."""
+        assert self._filter is not None
+        believed = []
+        while self._velocities and self._velocities[0].time_s <= until_s + 1e-6:
+            row = self._velocities.popleft()
+            if row.time_s < self._filter.time_s - 1e-6:
+                continue
+            dt = row.time_s - self._filter.time_s
+            estimate = self._filter_at(row.time_s, accel_sigma_mps2)
+            known = estimate.covariance[1, 1] + estimate.covariance[4, 4]
+            error = math.hypot(row.x - estimate.motion.vx_mps, row.y - estimate.motion.vy_mps)
+            if error > 5.0 * math.sqrt(row.sigma**2 + known) + TOP_ACCEL_MPS2 * dt:
+                self.refused_velocities += 1
+                continue
+            self._filter.advance(row.time_s, accel_sigma_mps2)
+            self._filter.update_velocity((row.x, row.y), row.sigma)
+            believed.append(row)
+        return believed
 
     def restart_clock(self) -> None:
         """Begin again after time was set back: nothing is carried over but what was learnt."""
         self.screen.forget()
         self._filter = None
-        self._accepted_s = -math.inf
+        self._accepted_s = self._velocity_s = -math.inf
         self._outliers.clear()
         self._velocities.clear()
         self._tracker.restart()
@@ -169,14 +198,14 @@ class HelicopterEstimator:
     ) -> None:
         assert self._filter is not None
         self._outliers.clear()
+        velocities = self._use_velocities(time_s, accel_sigma_mps2)
         self._filter.advance(time_s, accel_sigma_mps2)
         self._filter.update_position(position, covariance)
         self._accepted_s = time_s
         sigma = math.sqrt(float(np.trace(covariance)) / 2.0)
         row = LegRow(time_s, position[0], position[1], sigma, is_velocity=False)
         motion = self._filter_at(time_s, accel_sigma_mps2).motion
-        self._tracker.update([*self._velocities, row], motion)
-        self._velocities.clear()
+        self._tracker.update([*velocities, row], motion)
 
     def _outlier(
         self, time_s: float, position: tuple[float, float], covariance: FloatArray

@@ -124,6 +124,7 @@ class EstimatorNode(Node):
                     "phase": phase,
                     **counts,
                     "refused": refused,
+                    "refused_velocities": self._estimator.refused_velocities,
                     "withdrawn_corners": self._estimator.withdrawn_corners,
                 },
             )

@@ -251,12 +251,15 @@ def path_to_corner(path: Path) -> CornerEstimate:
     start_s, stop_s = from_stamp(onset.header.stamp), from_stamp(stop.header.stamp)
     a, b = onset.pose.position, stop.pose.position
     distance, duration = math.hypot(b.x - a.x, b.y - a.y), stop_s - start_s
+    heading = to_yaw(stop.pose.orientation)
+    if not math.isfinite(heading):
+        raise ValueError(f"predicted stop with heading {heading}: expected a number")
     if not (math.isfinite(distance) and distance > 0.0 and duration > 0.0):
         raise ValueError(f"predicted deceleration over {distance} m in {duration} s: expected both")
     speed = 2.0 * distance / duration
     return CornerEstimate(
         time_s=from_stamp(path.header.stamp),
-        stop=Pose(b.x, b.y, to_yaw(stop.pose.orientation)),
+        stop=Pose(b.x, b.y, heading),
         stop_time_s=stop_s,
         speed_mps=speed,
         accel_mps2=speed / duration,

@@ -16,13 +16,14 @@ from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.geometry import CornerFrame, FlightPath, FloatArray
 from sar_planner.parameters import CornerParameters, ParameterError
 from sar_planner.rule_sets import make_rule_set
-from sar_planner.rules import CornerPlan, NoPathError
+from sar_planner.rules import CornerPlan
 from sar_planner.waypoints import path_waypoints
 
 ON_TRACK_M = 60.0
 ON_HEADING_RAD = math.radians(25.0)
 LATE_FACTOR = 1.5
 MAX_WAYPOINTS = 400
+CLOCK_STEP_S = 1.0
 ENGAGE_MODES = ("AUTO", "GUIDED")
 
 
@@ -53,13 +54,17 @@ class MissionParameters:
         """Refuse values out of bounds, naming them."""
         if self.turn_side not in (1, -1):
             raise ParameterError(f"turn_side = {self.turn_side}: expected 1 (right) or -1 (left)")
-        if self.arc_spacing_m < 0.0:
+        if not 0.0 <= self.arc_spacing_m < math.inf:
             raise ParameterError(f"arc_spacing_m = {self.arc_spacing_m}: expected 0 or more")
-        if self.reaction_s < 0.0:
+        if not 0.0 <= self.reaction_s < math.inf:
             raise ParameterError(f"reaction_s = {self.reaction_s}: expected 0 or more")
         for name in ("horizon_m", "slot_tolerance_m", "capture_m", "stale_s"):
-            if not getattr(self, name) > 0.0:
+            if not 0.0 < getattr(self, name) < math.inf:
                 raise ParameterError(f"{name} = {getattr(self, name)}: expected more than 0")
+        for name in ("speed_range", "accel_range"):
+            limits = getattr(self, name)
+            if len(limits) != 2 or not 0.0 < limits[0] <= limits[1]:
+                raise ParameterError(f"{name} = {limits}: expected two numbers, 0 < low <= high")
 
 
 class Mode(enum.StrEnum):
@@ -140,6 +145,8 @@ class MissionPlanner:
         self._lists = 0
         self._done_corner = 0
         self._went_on = False
+        self._corner_problem = ""
+        self._leg_after_s = -math.inf
 
     # What is known -----------------------------------------------------------------------------
 
@@ -158,14 +165,15 @@ class MissionPlanner:
         self.status = status
         if self.mode is Mode.IDLE or not status.connected:
             return
-        if self._in_auto and status.mode != "AUTO":
+        if status.mode not in ENGAGE_MODES or (self._in_auto and status.mode != "AUTO"):
             self.disengage()
             self.problem = f"released: the UAV was taken to mode {status.mode}"
         self._in_auto = status.mode == "AUTO"
 
     def set_leg(self, leg: LegEstimate) -> None:
         """Take the leg being flown: the slot track lies d to its inside."""
-        if self.active is not None and leg.time_s < self.active.estimate.stop_time_s:
+        old_leg = leg.time_s < self._leg_after_s
+        if old_leg or not math.isfinite(leg.foot.x_m + leg.foot.y_m + leg.foot.heading_rad):
             return
         inside = -self.parameters.turn_side * self.corner_parameters.spacing_m
         self._slot = leg.foot.offset(0.0, inside)
@@ -181,11 +189,12 @@ class MissionPlanner:
         if self._is_new(estimate):
             self.corners_seen += 1
             self._went_on = False
+            self._corner_problem = ""
         self._estimate = estimate
 
     def _is_new(self, estimate: CornerEstimate) -> bool:
         known = self._estimate
-        if known is None:
+        if known is None or estimate.time_s < known.time_s - CLOCK_STEP_S:
             return True
         return estimate.onset_time_s > max(known.stop_time_s, known.time_s)
 
@@ -211,6 +220,9 @@ class MissionPlanner:
         if not reason and self.mode is Mode.IDLE:
             self.mode = Mode.LEG
             self._listed_slot = None
+            self._corner_problem = ""
+            if self.phase is not Phase.DECELERATING:
+                self._done_corner = self.corners_seen
             self._in_auto = self.status.mode == "AUTO"
         return reason
 
@@ -226,6 +238,8 @@ class MissionPlanner:
 
     def disengage(self) -> None:
         """Stop leading the UAV."""
+        if self.active is not None:
+            self._done_corner = self.active.k
         self.mode = Mode.IDLE
         self.active = None
         self.list = None
@@ -264,9 +278,19 @@ class MissionPlanner:
             return None
         if self.mode is Mode.CORNER:
             self._follow_corner(now_s)
-        if self.mode is Mode.CORNER and self.active is not None and self.active.committed:
-            return None
-        return self._corner_list(now_s) or self._leg_list(now_s)
+        listed = None
+        if self.active is None or not self.active.committed:
+            listed = self._corner_list(now_s) or self._leg_list(now_s)
+        self.problem = self._corner_problem
+        return listed
+
+    def set_clock_back(self) -> None:
+        """Forget what belongs to a time that has not come yet: the clock was set back."""
+        if self.active is not None:
+            self._leave_corner()
+        self._estimate = self._planned = self.helicopter = self.uav = None
+        self._leg_after_s = -math.inf
+        self._done_corner = self.corners_seen
 
     def _follow_corner(self, now_s: float) -> None:
         """Commit to the corner's path when it begins to turn, and leave it when it is flown."""
@@ -274,11 +298,12 @@ class MissionPlanner:
         assert self.uav is not None
         active = self.active
         if not active.committed:
-            if self._is_withdrawn():
+            if self._went_on:
                 self._leave_corner()
                 return
             margin = self.parameters.reaction_s * active.uav_speed_mps
-            if active.plan.turn_start_m - active.flown_m(now_s) < margin:
+            overtaken = self.corners_seen > active.k
+            if overtaken or active.plan.turn_start_m - active.flown_m(now_s) < margin:
                 self.active = replace(active, committed=True)
             return
         end = active.frame.pose_to_map(active.plan.path.end)
@@ -293,18 +318,11 @@ class MissionPlanner:
             if self._slot is None or self._slot_is_old_leg(end):
                 self._slot = end
 
-    def _is_withdrawn(self) -> bool:
-        """Whether the helicopter went on without stopping where it was expected to."""
-        assert self.active is not None
-        return (
-            self._went_on
-            and self.helicopter is not None
-            and self.helicopter.time_s < self.active.estimate.stop_time_s - 1.0
-        )
-
     def _leave_corner(self) -> None:
         assert self.active is not None
         self._done_corner = self.active.k
+        if self.active.committed:
+            self._leg_after_s = self.active.estimate.stop_time_s
         self.mode = Mode.LEG
         self.active = None
         self._listed_slot = None
@@ -333,13 +351,14 @@ class MissionPlanner:
             return None
         self._planned = estimate
         again = self.active is not None and self.active.k == self.corners_seen
-        self.problem = self._usable(estimate)
-        if self.problem:
+        frame = CornerFrame(estimate.stop, self.parameters.turn_side)
+        self._corner_problem = self._usable(estimate) or self._off_slot(frame)
+        if self._corner_problem:
             return None
         try:
-            plan, frame = self._plan(estimate, now_s)
-        except (NoPathError, ParameterError) as error:
-            self.problem = f"corner {self.corners_seen}: {error}"
+            plan = self._plan(estimate, frame, now_s)
+        except ValueError as error:
+            self._corner_problem = f"corner {self.corners_seen}: {error}"
             return None
         first_stop = self.active.first_stop if again and self.active else estimate.stop
         self.active = ActiveCorner(
@@ -353,10 +372,21 @@ class MissionPlanner:
         points = np.vstack((points, (beyond.x_m, beyond.y_m)))
         return self._publish(now_s, str(plan.rule), points[:MAX_WAYPOINTS])
 
-    def _plan(self, estimate: CornerEstimate, now_s: float) -> tuple[CornerPlan, CornerFrame]:
+    def _off_slot(self, frame: CornerFrame) -> str:
+        """Return why the UAV is not where the rules take it to be: on the old leg's slot track."""
+        assert self.uav is not None
+        pose = frame.to_frame(self.uav.pose)
+        across = pose.y_m + self.corner_parameters.spacing_m
+        if abs(across) < ON_TRACK_M and abs(pose.heading_rad) < ON_HEADING_RAD:
+            return ""
+        return (
+            f"corner {self.corners_seen}: UAV {abs(across):.0f} m beside its slot track, "
+            f"{abs(math.degrees(pose.heading_rad)):.0f} deg off its heading: not planned"
+        )
+
+    def _plan(self, estimate: CornerEstimate, frame: CornerFrame, now_s: float) -> CornerPlan:
         """Measure L(k), pick the rule and make its path from what the UAV can still do."""
         assert self.uav is not None
-        frame = CornerFrame(estimate.stop, self.parameters.turn_side)
         parameters = replace(
             self.corner_parameters,
             speed_mps=estimate.speed_mps,
@@ -369,7 +399,7 @@ class MissionPlanner:
         lag = -parameters.stopping_m - at_onset
         passed = now_s - estimate.onset_time_s + self.parameters.reaction_s
         rules = make_rule_set(self.parameters.rules, parameters, enforce=False)
-        return rules.plan(lag, lead_m=speed * max(0.0, passed)), frame
+        return rules.plan(lag, lead_m=speed * max(0.0, passed))
 
     def _uav_speed(self) -> float:
         assert self.uav is not None

@@ -46,6 +46,7 @@ class PlannerNode(Node):
             raise ValueError(f"parameter decision_rate_hz = {rate}: expected 0 to 100")
         self._planner = MissionPlanner(corner, mission)
         self._markers = MarkerTracks()
+        self._newest_s = 0.0
         self._senders = {
             topic: self.create_publisher(kind, topic, qos)
             for topic, kind, qos in (
@@ -129,8 +130,12 @@ class PlannerNode(Node):
         self._senders[topics.WAYPOINTS].publish(points_to_path(np.empty((0, 2)), now_s(self)))
 
     def _decide(self) -> None:
-        problem = self._planner.problem
-        waypoints = self._planner.update(now_s(self))
+        problem, now = self._planner.problem, now_s(self)
+        if now < self._newest_s - 1.0:
+            self.get_logger().warning(f"clock set back by {self._newest_s - now:.1f} s")
+            self._planner.set_clock_back()
+        self._newest_s = now
+        waypoints = self._planner.update(now)
         for topic, output in decision_outputs(self._planner, waypoints):
             self._senders[topic].publish(output)
         if waypoints is not None:

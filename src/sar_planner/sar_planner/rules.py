@@ -158,6 +158,8 @@ def _fixed_curve(lag_m: float, lead_m: float, p: CornerParameters) -> FlightPath
     straight = lag_m - p.fixed_lag_m
     if lead_m <= straight:
         y = p.turn_radius_m + p.spacing_m - p.fixed_lag_m - p.stopping_m
+        if y < 0.0:
+            raise NoPathError(f"fixed curve: its straight would be y = {y:.1f} m")
         return _curve(lag_m, straight, y, p)
     target = lag_m - (1.0 - p.convergence) * p.fixed_lag_m
     return _curve(lag_m, lead_m, exact_straight_m(lag_m - lead_m, target - lead_m, p), p)

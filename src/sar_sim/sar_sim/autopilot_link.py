@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from sar_bridge.link import Link
 from sar_sim.autopilot_server import AutopilotServer
-from sar_sim.udp_port import UdpPort
 
 HOLD_WAIT_S = 0.002
 MAX_HOLD_S = 2.0
@@ -22,9 +22,10 @@ class Monotonic(Protocol):
 class AutopilotLink:
     """Answers the ground station and sends telemetry."""
 
-    def __init__(self, server: AutopilotServer, port: UdpPort, clock: Monotonic) -> None:
-        """Join a server to a port."""
-        self._server, self._port, self._clock = server, port, clock
+    def __init__(self, server: AutopilotServer, port: int, clock: Monotonic) -> None:
+        """Send to a ground station at UDP ``port`` of loopback."""
+        self._server, self._clock = server, clock
+        self._link = Link(f"udpout:127.0.0.1:{port}", system=1, component=1)
 
     @property
     def heard(self) -> bool:
@@ -34,13 +35,13 @@ class AutopilotLink:
     def listen(self, timeout_s: float) -> None:
         """Answer at once what comes within ``timeout_s`` [s]."""
         now = self._clock()
-        for message in self._port.wait(timeout_s):
-            self._port.send(self._server.handle(message, now))
-        self._port.send(self._server.tick(now))
+        for message in self._link.receive(timeout_s):
+            self._link.send(self._server.handle(message, now))
+        self._link.send(self._server.tick(now))
 
     def report(self, time_s: float) -> None:
         """Send the telemetry due at the simulation's ``time_s`` [s]."""
-        self._port.send(self._server.telemetry(time_s))
+        self._link.send(self._server.telemetry(time_s))
 
     def hold(self) -> float:
         """Serve a mission transfer to its end; return for how long [s].
@@ -55,5 +56,5 @@ class AutopilotLink:
         return now - begun
 
     def close(self) -> None:
-        """Close the port."""
-        self._port.close()
+        """Close the link."""
+        self._link.close()

@@ -86,7 +86,8 @@ class AutopilotServer:
         if self._expected == 0:
             return []
         if message.seq != len(self._incoming):
-            return []
+            # As ArduPilot: the transfer goes on.
+            return [self._ack(mavlink.MAV_MISSION_INVALID_SEQUENCE)]
         self._incoming[message.seq] = MissionItem(
             message.command,
             message.x,

@@ -18,12 +18,11 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from sar_bridge.link import check_url
+from sar_bridge.link import opener
 from sar_estimator import topics
 from sar_estimator.node_support import RELIABLE
 from sar_planner.parameters import ParameterError
 from sar_planner.rule_sets import RULE_SETS, make_rule_set
-from sar_sim.bag import BAG_ERRORS
 from sar_sim.launch_plan import FlightOptions, NodeSpec, parameter_document, plan_nodes, read_tuned
 from sar_sim.options import (
     add_flight_options,
@@ -81,19 +80,25 @@ class Flight:
     """The running nodes of one flight."""
 
     def __init__(self, specs: list[NodeSpec], out: Path) -> None:
-        """Write the parameters and start every node."""
+        """Write the parameters."""
         self.out, self.bag = out, out / "bag"
         self.stopped_by = ""
         parameters = out / "params.yaml"
         parameters.write_text(yaml.safe_dump(parameter_document(specs)), encoding="utf-8")
         logs = out / "log"
-        logs.mkdir()
+        logs.mkdir(exist_ok=True)
+        self._specs, self._parameters, self._logs = specs, parameters, logs
         self.nodes: list[NodeProcess] = []
-        for spec in specs:
+
+    def start(self) -> None:
+        """Start every node, unless the flight shall end already."""
+        for spec in self._specs:
+            if self.stopped_by:
+                return
             program = Path(get_package_prefix(spec.package), "lib", spec.package, spec.executable)
-            command = [str(program), "--ros-args", "--params-file", str(parameters)]
+            command = [str(program), "--ros-args", "--params-file", str(self._parameters)]
             self.nodes.append(
-                NodeProcess(spec.executable, command, logs / f"{spec.executable}.log")
+                NodeProcess(spec.executable, command, self._logs / f"{spec.executable}.log")
             )
 
     def on_signal(self, number: int, _frame: FrameType | None) -> None:
@@ -156,7 +161,7 @@ def prepare(args: argparse.Namespace) -> tuple[list[NodeSpec], Path]:
         args.helicopter, args.autopilot, args.rules, args.speed, simulation=not args.no_sim
     )
     if options.autopilot:
-        check_url(options.autopilot)
+        opener(options.autopilot)
     find_scenario(args.scenario)
     scenario = scenario_from(args)
     make_rule_set(args.rules, scenario.corner)
@@ -189,6 +194,7 @@ def main(argv: list[str] | None = None) -> int:
         signal.signal(number, flight.on_signal)
     failed = None
     try:
+        flight.start()
         ended = flight.watch(watcher)
         if ended is not None and not (ended.name == "sim" and ended.exit_code == 0):
             failed = ended
@@ -207,7 +213,7 @@ def main(argv: list[str] | None = None) -> int:
     try:
         metrics = write_report(flight.bag, out)
         sys.stdout.write(f"{summary_line(metrics)}\n{out}/report.html\n")
-    except BAG_ERRORS as error:
+    except Exception as error:  # noqa: BLE001 - a cut bag may hold anything
         sys.stderr.write(f"launch: no report: {error}\n")
         return 1
     return 0 if failed is None else 1

@@ -28,7 +28,7 @@ class FlightOptions:
         """Refuse combinations that make no flight."""
         if not self.simulation and not self.autopilot:
             raise ScenarioError("--no-sim: expected --autopilot URL, the UAV's autopilot")
-        if not self.simulation and self.helicopter == "sim":
+        if not self.simulation and self.helicopter != "topic":
             raise ScenarioError("--no-sim: expected --helicopter topic, a live GPS fix")
         if self.speed is not None and not 0.0 < self.speed <= 100.0:
             raise ScenarioError(f"--speed {self.speed}: expected more than 0, at most 100")
@@ -87,12 +87,15 @@ def plan_nodes(
         "turn_side": scenario.pattern.turn_side,
         "arc_spacing_m": scenario.arc_spacing_m,
     }
-    url = options.autopilot or f"udp:127.0.0.1:{port}"
+    bridge = {
+        "autopilot_url": options.autopilot or f"udp:127.0.0.1:{port}",
+        "altitude_m": scenario.sensor.altitude_m,
+    }
     specs = [
         NodeSpec("sar_sim", "record", {"bag": str(bag)}),
         NodeSpec("sar_estimator", "estimator", estimator),
         NodeSpec("sar_planner", "planner", planner),
-        NodeSpec("sar_bridge", "bridge", {"autopilot_url": url}),
+        NodeSpec("sar_bridge", "bridge", bridge),
     ]
     if options.simulation and not (options.live and options.autopilot):
         sim = {

@@ -32,6 +32,7 @@ class RecordNode(Node):
         except WriterError as error:
             raise ValueError(f"parameter bag: {error}") from error
         self._seen: set[str] = set()
+        self._waiting: list[tuple[str, str, bytes, bool]] = []
         self.create_timer(
             DISCOVERY_PERIOD_S, self._discover, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
@@ -62,7 +63,13 @@ class RecordNode(Node):
         self.create_subscription(get_message(kind), topic, callback, qos, raw=True)
 
     def _write(self, topic: str, kind: str, latched: bool, data: bytes) -> None:  # noqa: FBT001
-        self._bag.write(topic, kind, data, now_s(self), latched=latched)
+        self._waiting.append((topic, kind, data, latched))
+        stamp = now_s(self)
+        if stamp == 0.0:
+            return  # simulated time that has not begun: the recording begins with it
+        for one, its_kind, content, lasting in self._waiting:
+            self._bag.write(one, its_kind, content, stamp, latched=lasting)
+        self._waiting.clear()
 
 
 def main() -> int:

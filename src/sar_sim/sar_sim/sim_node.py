@@ -39,7 +39,6 @@ from sar_sim.autopilot_server import AutopilotServer
 from sar_sim.offline import corner_truth_text, scenario_text
 from sar_sim.scenario import Scenario, load_scenario
 from sar_sim.tracks import load_track
-from sar_sim.udp_port import UdpPort
 from sar_sim.world import World
 
 STEPS_PER_TRUTH = 2
@@ -72,7 +71,7 @@ class SimNode(Node):
         self._link: AutopilotLink | None = None
         if parameter(self, "uav", default=True):
             server = AutopilotServer(self._world.autopilot, self._world.datum)
-            port = UdpPort(parameter(self, "mavlink_port", 14550))
+            port = parameter(self, "mavlink_port", 14550)
             self._link = AutopilotLink(server, port, time.monotonic)
         self._listeners = parameter(self, "wait_for_listeners", 1)
         self._patience_s = parameter(self, "patience_s", 30.0)
@@ -215,8 +214,8 @@ class SimNode(Node):
             sender.publish(message)
 
     def _ask_to_engage(self, now: float) -> None:
-        """Ask the planner to lead the UAV until it does: the simulation is its own operator."""
-        if self._engaged:
+        """Ask the planner to lead the simulated UAV; a real one's operator does so himself."""
+        if self._engaged or self._link is None:
             return
         if self._asked is not None and self._asked.done():
             self._engaged = bool(self._asked.result().success)

@@ -18,7 +18,6 @@ from sar_sim.helicopter import CornerTruth, PatternHelicopter
 from sar_sim.scenario import Scenario
 
 STEP_S = 0.05
-UAV_ALTITUDE_M = 150.0
 
 
 class World:
@@ -71,7 +70,7 @@ class World:
             uav=scenario.uav,
             wind=scenario.wind,
             datum=self.datum,
-            altitude_m=UAV_ALTITUDE_M,
+            altitude_m=scenario.sensor.altitude_m,
         )
         self._steps = 0
 
