@@ -28,6 +28,7 @@ setup(
             "record = sar_sim.record_node:main",
             "play = sar_sim.play_node:main",
             "import_track = sar_sim.import_track:main",
+            "detection = sar_sim.detection_cli:main",
             "report = sar_sim.report_cli:main",
             "fly = sar_sim.fly_cli:main",
             "launch = sar_sim.launch_cli:main",

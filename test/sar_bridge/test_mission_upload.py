@@ -85,7 +85,7 @@ def test_early_ack_of_an_older_upload_is_not_taken():
     assert upload.active
 
 
-@pytest.mark.parametrize("delay", [0.1, 0.4, 0.9])
+@pytest.mark.parametrize("delay", [0.1, 0.4, 0.6])
 def test_slow_radio(delay):
     """Round trips longer than the item time-out: repeats meet INVALID_SEQUENCE and go on."""
     upload = MissionUpload(TARGET)
