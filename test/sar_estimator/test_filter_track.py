@@ -90,9 +90,10 @@ def test_missing_file(tmp_path, capsys):
 
 
 @pytest.mark.skipif(not REAL.exists(), reason=f"{REAL.name}: recorded track not here")
-def test_real_helicopter_with_repeated_fixes(tmp_path):
+@pytest.mark.parametrize("options", [[], ["--sigma", "10"]], ids=["default", "sigma 10"])
+def test_real_helicopter_with_repeated_fixes(tmp_path, options):
     out = tmp_path / "e.csv"
-    assert main([str(REAL), "--out", str(out), "--sigma", "10"]) == 0
+    assert main([str(REAL), "--out", str(out), *options]) == 0
     found = read(out)
     fixes = read_track(REAL)
     assert len(found["x_m"]) == len(fixes) == 378

@@ -27,11 +27,19 @@ TOP_SPEED_MPS = 100.0
 SURPRISE_CHI2 = 9.0
 MAX_COAST_S = 3600.0
 TOP_ACCEL_MPS2 = 4.0
+NOISE_GAIN = 0.05
+NOISY_SCALE = 2.0
+MAX_NOISE_SCALE = 50.0
+KNOWN_SPEED_MPS = 0.3
+UNSETTLED_SPEED_MPS = 10.0
 MAX_VELOCITIES = 100
 
 
 class HelicopterEstimator:
     """One aircraft's estimator. Feed it in time order; it reads no clock of its own.
+
+    Two filters run side by side: an agile one that can follow a manoeuvre, which fixes are gated
+    with, and a steady one that smooths better, which is published while a leg is flown.
 
     ``datum`` is the map's origin, taken from the first usable fix when None was given.
     ``refused_velocities``: how many Doppler velocities were not believed.
@@ -43,11 +51,13 @@ class HelicopterEstimator:
         self.datum = datum
         self.screen = FixScreen()
         self._tracker = CornerTracker(parameters)
-        self._filter: MotionFilter | None = None
+        self._steady: MotionFilter | None = None
+        self._agile: MotionFilter | None = None
         self._accepted_s = -math.inf
         self._outliers: list[tuple[float, float, float]] = []
         self._velocities: deque[LegRow] = deque(maxlen=MAX_VELOCITIES)
         self._velocity_s = -math.inf
+        self._noise_scale = 1.0
         self.refused_velocities = 0
 
     @property
@@ -78,9 +88,12 @@ class HelicopterEstimator:
 
     def predict(self, time_s: float) -> MotionEstimate | None:
         """Return the motion at ``time_s``, an hour after the last fix at most; None before any."""
-        if self._filter is None:
+        if self._agile is None or self._steady is None:
             return None
-        return self._filter_at(min(time_s, self._accepted_s + MAX_COAST_S), self._accel_sigma())
+        until_s = min(time_s, self._accepted_s + MAX_COAST_S)
+        if self._on_leg():
+            return self._steady.predicted(until_s, self.parameters.cruise_accel_sigma_mps2)
+        return self._agile_at(until_s)
 
     def add_fix(self, fix: Fix) -> Verdict:
         """Take a fix; return what became of it."""
@@ -103,16 +116,12 @@ class HelicopterEstimator:
             return self.screen.note(fix, Verdict.ACCEPTED)
         if refusal is Verdict.REPEATED and not self._stands(prediction, position, covariance):
             return self.screen.note(fix, refusal)
-        accel_sigma = self._accel_sigma()
-        surprise = normalised_innovation(prediction, position, covariance)
-        gap_s = fix.time_s - self._accepted_s
-        if surprise > SURPRISE_CHI2 or gap_s > self.parameters.lost_after_s:
-            accel_sigma = self.parameters.turn_accel_sigma_mps2
-            wide = self._filter_at(fix.time_s, accel_sigma)
-            surprise = normalised_innovation(wide, position, covariance)
+        surprise = normalised_innovation(self._agile_at(fix.time_s), position, covariance)
+        if fix.covariance_m2 is None:
+            self._learn_noise(surprise)
         if surprise > self.parameters.gate_chi2:
             return self.screen.note(fix, self._outlier(fix.time_s, position, covariance))
-        self._accept(fix.time_s, position, covariance, accel_sigma)
+        self._accept(fix.time_s, position, covariance)
         return self.screen.note(fix, Verdict.ACCEPTED)
 
     def add_velocity(self, time_s: float, vx_mps: float, vy_mps: float, sigma_mps: float) -> bool:
@@ -135,39 +144,53 @@ class HelicopterEstimator:
         self._velocities.append(LegRow(time_s, vx_mps, vy_mps, sigma, is_velocity=True))
         return True
 
-    def _use_velocities(self, until_s: float, accel_sigma_mps2: float) -> list[LegRow]:
+    def _use_velocities(self, until_s: float) -> list[LegRow]:
         """Update with the velocities not newer than a fix; return those that were believed."""
-        assert self._filter is not None
+        assert self._agile is not None
         believed = []
         while self._velocities and self._velocities[0].time_s <= until_s + 1e-6:
             row = self._velocities.popleft()
-            if row.time_s < self._filter.time_s - 1e-6:
+            dt = row.time_s - self._agile.time_s
+            if dt < -1e-6:
                 continue
-            dt = row.time_s - self._filter.time_s
-            estimate = self._filter_at(row.time_s, accel_sigma_mps2)
+            estimate = self._agile_at(row.time_s)
             known = estimate.covariance[1, 1] + estimate.covariance[4, 4]
             error = math.hypot(row.x - estimate.motion.vx_mps, row.y - estimate.motion.vy_mps)
-            if error > 5.0 * math.sqrt(row.sigma**2 + known) + TOP_ACCEL_MPS2 * dt:
+            steady_sigma = math.sqrt(row.sigma**2 + min(known, KNOWN_SPEED_MPS**2))
+            if known < UNSETTLED_SPEED_MPS**2 and error > 5.0 * steady_sigma + TOP_ACCEL_MPS2 * dt:
                 self.refused_velocities += 1
                 continue
-            self._filter.advance(row.time_s, accel_sigma_mps2)
-            self._filter.update_velocity((row.x, row.y), row.sigma)
+            for one, sigma in self._filters():
+                one.advance(row.time_s, sigma)
+                one.update_velocity((row.x, row.y), row.sigma)
             believed.append(row)
         return believed
 
     def restart_clock(self) -> None:
         """Begin again after time was set back: nothing is carried over but what was learnt."""
         self.screen.forget()
-        self._filter = None
+        self._steady = self._agile = None
         self._accepted_s = self._velocity_s = -math.inf
         self._outliers.clear()
         self._velocities.clear()
         self._tracker.restart()
 
-    def _accel_sigma(self) -> float:
-        if self._tracker.manoeuvring or self._tracker.leg is None:
-            return self.parameters.turn_accel_sigma_mps2
-        return self.parameters.cruise_accel_sigma_mps2
+    def _filters(self) -> list[tuple[MotionFilter, float]]:
+        """Return both filters, each with the acceleration it expects."""
+        assert self._steady is not None
+        assert self._agile is not None
+        p = self.parameters
+        return [
+            (self._steady, p.cruise_accel_sigma_mps2),
+            (self._agile, p.turn_accel_sigma_mps2),
+        ]
+
+    def _agile_at(self, time_s: float) -> MotionEstimate:
+        assert self._agile is not None
+        return self._agile.predicted(time_s, self.parameters.turn_accel_sigma_mps2)
+
+    def _on_leg(self) -> bool:
+        return not self._tracker.manoeuvring and self._tracker.leg is not None
 
     def _fix_covariance(self, fix: Fix) -> FloatArray:
         floor = self.parameters.min_fix_sigma_m**2
@@ -175,7 +198,19 @@ class HelicopterEstimator:
         if given is not None and np.all(np.isfinite(given)) and np.trace(given) > 0.0:
             values, axes = np.linalg.eigh(0.5 * (given + given.T))
             return np.asarray((axes * np.maximum(values, floor)) @ axes.T)
-        return np.eye(2) * max(floor, self.parameters.default_fix_sigma_m**2)
+        scale = self._noise_scale if self._noise_scale > NOISY_SCALE else 1.0
+        return np.eye(2) * max(floor, scale * self.parameters.default_fix_sigma_m**2)
+
+    def _learn_noise(self, surprise: float) -> None:
+        """Learn how much worse fixes without covariance are than they are taken for.
+
+        The normalised innovation's mean is 2 where they are right; what is used is its slow average
+        in units of that, once it is well beyond.
+        """
+        current = self._noise_scale if self._noise_scale > NOISY_SCALE else 1.0
+        seen = current * min(surprise, self.parameters.gate_chi2) / 2.0
+        self._noise_scale += NOISE_GAIN * (seen - self._noise_scale)
+        self._noise_scale = min(self._noise_scale, MAX_NOISE_SCALE)
 
     def _stands(
         self, prediction: MotionEstimate, position: tuple[float, float], covariance: FloatArray
@@ -185,27 +220,23 @@ class HelicopterEstimator:
         sigma = math.sqrt(float(np.trace(covariance)) / 2.0)
         return moved <= max(1.5, min(sigma, 3.0)) and prediction.motion.speed_mps < 3.0
 
-    def _filter_at(self, time_s: float, accel_sigma_mps2: float) -> MotionEstimate:
-        assert self._filter is not None
-        return self._filter.predicted(time_s, accel_sigma_mps2)
-
-    def _accept(
-        self,
-        time_s: float,
-        position: tuple[float, float],
-        covariance: FloatArray,
-        accel_sigma_mps2: float,
-    ) -> None:
-        assert self._filter is not None
+    def _accept(self, time_s: float, position: tuple[float, float], covariance: FloatArray) -> None:
+        """Update both filters; the steady one begins again where it cannot follow."""
+        assert self._steady is not None
+        assert self._agile is not None
         self._outliers.clear()
-        velocities = self._use_velocities(time_s, accel_sigma_mps2)
-        self._filter.advance(time_s, accel_sigma_mps2)
-        self._filter.update_position(position, covariance)
+        velocities = self._use_velocities(time_s)
+        steady = self._steady.predicted(time_s, self.parameters.cruise_accel_sigma_mps2)
+        surprised = normalised_innovation(steady, position, covariance) > SURPRISE_CHI2
+        for one, accel_sigma in self._filters():
+            one.advance(time_s, accel_sigma)
+            one.update_position(position, covariance)
+        if surprised or not self._on_leg():
+            self._steady = self._agile.copy()
         self._accepted_s = time_s
         sigma = math.sqrt(float(np.trace(covariance)) / 2.0)
         row = LegRow(time_s, position[0], position[1], sigma, is_velocity=False)
-        motion = self._filter_at(time_s, accel_sigma_mps2).motion
-        self._tracker.update([*velocities, row], motion)
+        self._tracker.update([*velocities, row], self._agile_at(time_s).motion)
 
     def _outlier(
         self, time_s: float, position: tuple[float, float], covariance: FloatArray
@@ -225,13 +256,14 @@ class HelicopterEstimator:
     def _restart(
         self, time_s: float, position: tuple[float, float], covariance: FloatArray
     ) -> None:
-        self._filter = MotionFilter(
+        self._agile = MotionFilter(
             time_s,
             position,
             covariance,
             tau_s=self.parameters.accel_tau_s,
             speed_sigma_mps=UNKNOWN_SPEED_SIGMA_MPS,
         )
+        self._steady = self._agile.copy()
         self._accepted_s = time_s
         self._outliers.clear()
         self._velocities.clear()

@@ -18,6 +18,12 @@ SETTLE_S = 5.0
 MIN_SPACING_S = 0.4
 
 
+def chi_square_z(chi_square: float, dof: int) -> float:
+    """Return a chi-square value as standard deviations of a normal (Wilson & Hilferty 1931)."""
+    variance = 2.0 / (9.0 * dof)
+    return (math.cbrt(chi_square / dof) - 1.0 + variance) / math.sqrt(variance)
+
+
 @dataclass(frozen=True, slots=True)
 class LegRow:
     """One accepted measurement: position [m] with sigma [m], or a velocity [m/s] with sigma."""
@@ -82,8 +88,7 @@ class LegFit:
             )
             across = (row.y - y) * c - (row.x - x) * s
             chi_square += across**2 / (row.sigma**2 + float(known))
-        dof = max(1, len(rows))
-        return (chi_square - dof) / math.sqrt(2.0 * dof) > MISFIT_LIMIT
+        return chi_square_z(chi_square, max(1, len(rows))) > MISFIT_LIMIT
 
     def project(self, rows: tuple[LegRow, ...]) -> TrackRows:
         """Return rows measured along the fitted line, from ``position_m``."""
@@ -102,8 +107,8 @@ class LegFit:
 def fit_rows(rows: tuple[LegRow, ...]) -> tuple[LegFit, float]:
     """Fit a constant velocity; return it with its misfit in standard deviations of chi-square.
 
-    Both axes share one weighted least-squares design; the misfit is (chi2 - dof) / sqrt(2 dof) of
-    the worse axis, along or across the fitted direction.
+    Both axes share one weighted least-squares design; the misfit is that of the worse axis, along
+    or across the fitted direction.
     """
     reference = rows[-1].time_s
     is_velocity = np.array([row.is_velocity for row in rows])
@@ -118,9 +123,8 @@ def fit_rows(rows: tuple[LegRow, ...]) -> tuple[LegFit, float]:
     fit = LegFit(reference, solution[0], solution[1], r_inverse @ r_inverse.T, rows)
     c, s = math.cos(fit.heading_rad), math.sin(fit.heading_rad)
     turned = residuals @ np.array([[c, -s], [s, c]])
-    dof = max(1, len(rows) - 2)
     chi_square = float((turned**2).sum(axis=0).max())
-    return fit, (chi_square - dof) / math.sqrt(2.0 * dof)
+    return fit, chi_square_z(chi_square, max(1, len(rows) - 2))
 
 
 class LegTracker:

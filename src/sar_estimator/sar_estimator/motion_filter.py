@@ -8,6 +8,7 @@ State order: x, vx, ax, y, vy, ay.
 
 from __future__ import annotations
 
+import copy
 import math
 
 import numpy as np
@@ -66,6 +67,10 @@ class MotionFilter:
         self._kf.P = np.diag([0.0, speed_sigma_mps**2, 1.0] * 2)
         self._kf.P[np.ix_([0, 3], [0, 3])] = covariance_m2
         self._kf.H = POSITION
+
+    def copy(self) -> MotionFilter:
+        """Return a filter in the same state."""
+        return copy.deepcopy(self)
 
     def _models(self, dt_s: float, sigma_mps2: float) -> tuple[FloatArray, FloatArray]:
         transition, noise = np.zeros((6, 6)), np.zeros((6, 6))
