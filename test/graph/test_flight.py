@@ -2,6 +2,7 @@ import json
 import os
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -242,3 +243,42 @@ def test_real_helicopter_through_the_graph(launch, tmp_path, source):
     assert metrics(flight.out)["duration_s"] == pytest.approx(377.0, abs=10.0)
     with open_bag(flight.out / "bag") as bag:
         assert bag.duration < 400e9  # nothing is stamped before the clock began
+
+
+FEEDER = """
+import sys, time, rclpy
+from rclpy.qos import qos_profile_sensor_data
+from sar_estimator.geodesy import Datum
+from sar_estimator.fixes import Fix
+from sar_estimator.messages import fix_to_message
+from sensor_msgs.msg import NavSatFix
+rclpy.init()
+node = rclpy.create_node("gps")
+sender = node.create_publisher(NavSatFix, "/helicopter/fix", qos_profile_sensor_data)
+datum, begun = Datum(37.8, -122.8), time.time()
+while time.time() - begun < 80.0:
+    latitude, longitude, _ = datum.to_geodetic(0.0, 20.0 * (time.time() - begun))
+    sender.publish(fix_to_message(Fix(time.time(), latitude, longitude)))
+    time.sleep(0.2)
+"""
+
+
+def test_live_helicopter_beside_the_simulated_uav(launch):
+    """A GPS driver of the user's own: real time, no /clock; the UAV appears and follows."""
+    flight = launch("--helicopter", "topic")
+    feeder = subprocess.Popen(
+        [sys.executable, "-c", FEEDER], env=flight.environment, stdout=subprocess.DEVNULL
+    )
+    try:
+        time.sleep(30.0)
+        flight.process.send_signal(signal.SIGINT)
+        code, output, errors = flight.wait()
+    finally:
+        feeder.kill()
+        feeder.wait()
+    assert (code, errors) == (0, "")
+    assert "rule leg" in output
+    uploaded = [m for _, _, m in read_messages(flight.out / "bag", {"/uav/uploaded"})]
+    assert uploaded
+    assert metrics(flight.out)["min_separation_m"] > 200.0
+    assert metrics(flight.out)["duration_s"] > 5.0

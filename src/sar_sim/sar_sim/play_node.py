@@ -31,7 +31,7 @@ class PlayNode(Node):
         """Play topics in ``chosen`` (all when empty) at ``rate`` times their own pace."""
         super().__init__("play")
         self._bag, self._rate, self._chosen = bag, rate, chosen
-        self._clock = self.create_publisher(Clock, topics.CLOCK, RELIABLE)
+        self._clock_sender = self.create_publisher(Clock, topics.CLOCK, RELIABLE)
 
     def _publisher(self, connection: Connection) -> Publisher:
         offered = getattr(connection.ext, "offered_qos_profiles", ())
@@ -60,7 +60,7 @@ class PlayNode(Node):
                     clock_s = min(at_s, at_s - ahead * self._rate)
                     if clock_s - told_s >= CLOCK_PERIOD_S or ahead <= 0.0:
                         told_s = max(told_s, clock_s)
-                        self._clock.publish(Clock(clock=to_stamp(told_s)))
+                        self._clock_sender.publish(Clock(clock=to_stamp(told_s)))
                     if ahead <= 0.0:
                         break
                     time.sleep(min(ahead, CLOCK_PERIOD_S / self._rate))

@@ -75,7 +75,7 @@ class SimNode(Node):
             self._link = AutopilotLink(server, port, time.monotonic)
         self._listeners = parameter(self, "wait_for_listeners", 1)
         self._patience_s = parameter(self, "patience_s", 30.0)
-        self._clock = self.create_publisher(Clock, topics.CLOCK, RELIABLE)
+        self._clock_sender = self.create_publisher(Clock, topics.CLOCK, RELIABLE)
         self._fix = self.create_publisher(NavSatFix, topics.FIX, qos_profile_sensor_data)
         self._velocity = self.create_publisher(
             TwistStamped, topics.VELOCITY, qos_profile_sensor_data
@@ -100,7 +100,7 @@ class SimNode(Node):
         return World(scenario, load_track(Path(track)) if track else None)
 
     def _await_helicopter(self) -> tuple[Datum, Pose]:
-        """Wait until a real helicopter flies, to begin abeam of it."""
+        """Wait until a real helicopter flies; the UAV begins at the scenario's lag behind it."""
         found: dict[str, Any] = {}
         subscriptions = [
             self.create_subscription(
@@ -188,7 +188,7 @@ class SimNode(Node):
     def _publish_clock(self) -> None:
         if self._live:
             return
-        self._clock.publish(Clock(clock=to_stamp(self._ros_time())))
+        self._clock_sender.publish(Clock(clock=to_stamp(self._ros_time())))
 
     def _step(self) -> None:
         receptions = self._world.step()
