@@ -258,11 +258,11 @@ def test_refused_command_is_named():
     assert queue.tick(50.0) == []
 
 
-def test_boot_clock_takes_the_least_delay_and_notices_a_reboot():
+def test_boot_clock_takes_the_usual_delay_and_notices_a_reboot():
     clock = BootClock()
     rng = np.random.default_rng(1)
     stamps = [clock.stamp(10.0 + i, 1010.0 + i + 0.3 * rng.random()) for i in range(50)]
-    assert stamps[-1] == pytest.approx(1059.0, abs=0.05)
+    assert stamps[-1] == pytest.approx(1059.15, abs=0.05)
     assert clock.stamp(0.5, 1070.0) == pytest.approx(1070.0)
     assert clock.reboots == 1
     assert clock.stamp(1.5, 2000.0) == pytest.approx(2000.0)  # the receiver's clock was stepped

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import statistics
 from collections import deque
 from dataclasses import dataclass
 
@@ -12,7 +13,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from sar_estimator.geodesy import Datum, valid_position
 from sar_estimator.states import Motion
 
-CLOCK_WINDOW = 200
+CLOCK_WINDOW = 50
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +35,9 @@ class UavTelemetry:
 class BootClock:
     """Maps the autopilot's time since boot to the node's clock.
 
-    A message is never received before it was sent, so the least (receipt - boot time) seen of late
-    is the offset with the least delay in it. A step back of the boot time is a reboot.
+    The offset is the median of (receipt - boot time) of late: one delayed message does not move it,
+    nor does a simulated clock that this process hears of late. A step back of the boot time is a
+    reboot.
     """
 
     def __init__(self) -> None:
@@ -53,7 +55,7 @@ class BootClock:
             self._offsets.clear()
         self._last_boot_s = boot_s
         self._offsets.append(received_s - boot_s)
-        return boot_s + min(self._offsets)
+        return boot_s + statistics.median(self._offsets)
 
 
 class AutopilotState:

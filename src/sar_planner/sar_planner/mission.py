@@ -247,7 +247,9 @@ class MissionPlanner:
     # Measured ----------------------------------------------------------------------------------
 
     def lag_m(self) -> float | None:
-        """Return the UAV's present along-track lag behind the helicopter on this leg [m]."""
+        """Return the UAV's lag [m]: L(k) in a corner, on a leg the present along-track lag."""
+        if self.active is not None:
+            return self.active.plan.lag_m
         if self.uav is None or self.helicopter is None or self._slot is None:
             return None
         ahead = self._slot.along(self.helicopter.x_m, self.helicopter.y_m)
