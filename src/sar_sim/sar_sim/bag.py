@@ -59,14 +59,18 @@ class BagWriter:
         self._connections: dict[str, Connection] = {}
         self.messages = 0
 
-    def write(
-        self, topic: str, kind: str, data: bytes, time_s: float, *, latched: bool = False
-    ) -> None:
-        """Append a message of type ``kind`` (``pkg/msg/Name``) at ``time_s`` [s]."""
+    def add_topic(self, topic: str, kind: str, *, latched: bool = False) -> None:
+        """Announce a topic, once; it takes a while, so do it before its messages come fast."""
         if topic not in self._connections:
             self._connections[topic] = self._writer.add_connection(
                 topic, kind, typestore=TYPESTORE, offered_qos_profiles=[_qos(latched=latched)]
             )
+
+    def write(
+        self, topic: str, kind: str, data: bytes, time_s: float, *, latched: bool = False
+    ) -> None:
+        """Append a message of type ``kind`` (``pkg/msg/Name``) at ``time_s`` [s]."""
+        self.add_topic(topic, kind, latched=latched)
         self._writer.write(self._connections[topic], round(time_s * 1e9), data)
         self.messages += 1
 

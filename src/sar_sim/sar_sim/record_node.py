@@ -53,9 +53,10 @@ class RecordNode(Node):
 
     def _subscribe(self, topic: str, kind: str, offered: QoSProfile) -> None:
         latched = offered.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        self._bag.add_topic(topic, kind, latched=latched)
         reliable = offered.reliability == ReliabilityPolicy.RELIABLE
         qos = QoSProfile(
-            depth=100,
+            depth=1000,
             reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
             durability=offered.durability if latched else DurabilityPolicy.VOLATILE,
         )
