@@ -187,6 +187,8 @@ def main(argv: list[str] | None = None) -> int:
         sys.stderr.write(f"launch: {error}\n")
         return 2
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    # A process that is killed can leave shared memory locked, and hang every other node with it.
+    os.environ.setdefault("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     watcher = Watcher()
     flight = Flight(specs, out)

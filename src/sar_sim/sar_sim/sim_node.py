@@ -31,7 +31,7 @@ from sar_estimator.messages import (
     to_stamp,
     velocity_message,
 )
-from sar_estimator.node_support import LATCHED, RELIABLE, now_s, parameter
+from sar_estimator.node_support import LATCHED, RELIABLE, end_process, now_s, parameter
 from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
 from sar_sim.autopilot_link import AutopilotLink
@@ -236,13 +236,10 @@ def main() -> int:
         pass
     except (ValueError, OSError) as error:
         sys.stderr.write(f"sim: {error}\n")
-        return 2
-    finally:
-        if node is not None:
-            node.close()
-            node.destroy_node()
-        rclpy.try_shutdown()
-    return 0
+        return 2 if node is None else end_process(2)
+    if node is not None:
+        node.close()
+    return end_process(0)
 
 
 if __name__ == "__main__":
