@@ -158,7 +158,6 @@ class Link:
     ) -> None:
         """Open the link; ``system`` and ``component`` sign what is sent."""
         self._open = opener(url)
-        self._url = url
         self._mav = mavlink.MAVLink(None, srcSystem=system, srcComponent=component)
         self._parser = self._new_parser()
         self._transport: Transport | None = None

@@ -142,10 +142,6 @@ class FlightPath:
         count = max(1, math.ceil(self.length_m / spacing_m))
         return self.points(np.linspace(0.0, self.length_m, count + 1))
 
-    def then(self, segments: Iterable[Segment]) -> FlightPath:
-        """Return this path with more segments after its end."""
-        return FlightPath.of(self.start, (*self.segments, *segments))
-
 
 @dataclass(frozen=True, slots=True)
 class CornerFrame:
