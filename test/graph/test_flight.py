@@ -60,8 +60,8 @@ def test_short_mission_end_to_end_agrees_with_the_offline_flight(launch):
 
     offline.run(told)
     assert found["lag_m"] == pytest.approx(expected, abs=10.0)
-    assert found["rules"] == ["T1", "T3"]
-    assert found["min_separation_m"] > 150.0
+    assert found["rules"] == ["D2", "D2"]
+    assert found["min_separation_m"] > 200.0
     assert found["coverage_percent"] > 98.0
     topics = {topic for topic, _, _ in read_messages(flight.out / "bag")}
     assert {"/clock", "/uav/state", "/uav/uploaded", "/markers", "/diagnostics"} <= topics
@@ -113,7 +113,6 @@ def test_a_launcher_that_is_killed_leaves_nothing_running(launch):
     ("options", "message"),
     [
         (["--scenario", "nowhere"], "expected a file or one of"),
-        (["--rules", "deadbeat"], "rules = deadbeat: not in this version"),
         (["--no-sim"], "--no-sim: expected --autopilot URL"),
         (["--autopilot", "com3"], "autopilot URL 'com3': expected udp:HOST:PORT"),
         (["--helicopter", "none.csv"], "none.csv: no such file or bag"),

@@ -13,7 +13,7 @@ def run(capsys, *arguments):
 
 
 def test_json_of_a_fixed_curve(capsys):
-    code, out, _ = run(capsys, "--lag", "480", "--json")
+    code, out, _ = run(capsys, "--rules", "paper", "--lag", "480", "--json")
     values = json.loads(out)
     assert code == 0
     assert values["rule"] == "T2"
@@ -29,9 +29,9 @@ def test_json_of_a_fixed_curve(capsys):
 def test_left_over_options_reach_the_parameters(capsys, tmp_path):
     params = tmp_path / "corner.yaml"
     params.write_text("convergence: 0.25\n", encoding="utf-8")
-    _, out, _ = run(capsys, "--lag", "20", "--json", "--params", str(params))
+    _, out, _ = run(capsys, "--rules", "paper", "--lag", "20", "--json", "--params", str(params))
     assert json.loads(out)["next_lag_m"] == pytest.approx(5.0)
-    _, out, _ = run(capsys, "--lag", "20", "--json", "--convergence", "0.75")
+    _, out, _ = run(capsys, "--rules", "paper", "--lag", "20", "--json", "--convergence", "0.75")
     assert json.loads(out)["next_lag_m"] == pytest.approx(15.0)
 
 
@@ -42,7 +42,7 @@ def test_a_rule_can_be_forced(capsys):
 
 
 def test_text_and_graph(capsys):
-    code, out, _ = run(capsys, "--lag", "0", "--graph")
+    code, out, _ = run(capsys, "--rules", "paper", "--lag", "0", "--graph")
     assert code == 0
     assert "T4 -> T1" in out
     assert "T3 (convergent)" in out
@@ -51,8 +51,11 @@ def test_text_and_graph(capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--lag", "0", "--rules", "deadbeat"), "rules = deadbeat: not in this version"),
-        (("--lag", "0", "--accel", "1"), "accel_mps2 = 1.0: expected more than"),
+        (("--lag", "0", "--separation", "260"), "min_separation_m = 260.0: expected less than"),
+        (
+            ("--lag", "0", "--rules", "paper", "--accel", "1"),
+            "accel_mps2 = 1.0: expected more than",
+        ),
         (("--lag", "nan"), "lag nan: expected a finite number"),
         (("--lag", "0", "--params", "/nowhere.yaml"), "/nowhere.yaml"),
     ],

@@ -1,4 +1,4 @@
-"""The planner's modes: every mode is driven by every event, and by whole corners."""
+"""The planner with the paper's rules: every mode is driven by every event, and by whole corners."""
 
 import math
 from dataclasses import replace
@@ -23,7 +23,7 @@ FLYING = UavStatus("AUTO", armed=True, connected=True)
 
 
 def planner(**changes):
-    return MissionPlanner(CornerParameters(), MissionParameters(**changes))
+    return MissionPlanner(CornerParameters(), MissionParameters(rules="paper", **changes))
 
 
 def leg(time_s=0.0, x=0.0, heading=0.0):
@@ -231,8 +231,8 @@ def test_bad_mission_parameters_are_named():
     ):
         with pytest.raises(ParameterError, match=named):
             planner(**changes)
-    with pytest.raises(ParameterError, match="deadbeat"):
-        planner(rules="deadbeat")
+    with pytest.raises(ParameterError, match="rules = best: expected one of"):
+        MissionPlanner(CornerParameters(), MissionParameters(rules="best"))
 
 
 def past_corner(plan, *, engage_at=160.0):
@@ -334,7 +334,7 @@ def test_nonsense_in_flight_is_told_and_survived():
     plan.update(100.0)
     plan.set_leg(replace(leg(101.0), foot=Pose(math.nan, 0.0, 0.0)))
     assert plan.update(100.1) is None
-    tight = MissionPlanner(CornerParameters(spacing_m=105.0), MissionParameters())
+    tight = MissionPlanner(CornerParameters(spacing_m=105.0), MissionParameters(rules="paper"))
     tight.set_status(FLYING)
     tight.set_helicopter(Motion(100.0, 0.0, 0.0, 20.0, 0.0))
     tight.set_uav(Motion(100.0, -250.0, -105.0, 20.0, 0.0))

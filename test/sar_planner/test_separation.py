@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from sar_planner.automaton import PaperAutomaton
 from sar_planner.parameters import CornerParameters
 from sar_planner.rules import Rule, build
-from sar_planner.separation import closest_approach, helicopter_positions
+from sar_planner.separation import closest_approach, corner_forecast
 
 P = CornerParameters()
 AUTOMATON = PaperAutomaton(P)
@@ -39,7 +39,7 @@ def test_the_outside_loop_just_outside_its_domain_is_closer_still():
 def test_helicopter_motion():
     t = np.array([0.0, 4.0, 8.0, 12.0, 16.0, 20.0])
     expected = [(-80, 0), (-20, 0), (0, 0), (0, -20), (0, -80), (0, -160)]
-    assert helicopter_positions(t, P) == pytest.approx(np.array(expected, dtype=float))
+    assert corner_forecast(P).positions(t) == pytest.approx(np.array(expected, dtype=float))
 
 
 @settings(max_examples=60)
@@ -48,5 +48,5 @@ def test_closest_approach_is_what_a_fine_search_finds(lag):
     path = AUTOMATON.plan(lag).path
     found = closest_approach(path, P)
     times = np.linspace(0.0, max(path.length_m / P.speed_mps, 16.0), 20001)
-    gap = path.points(times * P.speed_mps) - helicopter_positions(times, P)
+    gap = path.points(times * P.speed_mps) - corner_forecast(P).positions(times)
     assert found.distance_m == pytest.approx(np.hypot(*gap.T).min(), abs=0.02)

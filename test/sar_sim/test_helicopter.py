@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sar_planner.parameters import CornerParameters
-from sar_planner.separation import helicopter_positions
+from sar_planner.separation import corner_forecast
 from sar_sim.helicopter import PatternHelicopter, leg_lengths_m
 from sar_sim.scenario import Pattern, Pilot
 
@@ -39,7 +39,7 @@ def test_motion_at_a_corner_is_the_papers_model():
     helicopter = PatternHelicopter(Pattern(heading_deg=90.0), Pilot(), V, A)
     corner = helicopter.corners[0]
     times = np.linspace(0.0, 25.0, 51)
-    expected = helicopter_positions(times, CornerParameters())
+    expected = corner_forecast(CornerParameters()).positions(times)
     for t, xy in zip(times, expected, strict=True):
         motion = helicopter.motion(corner.onset_time_s + t)
         found = (

@@ -19,7 +19,7 @@ def test_whole_simulation():
     assert nodes["bridge"]["autopilot_url"] == "udp:127.0.0.1:15000"
     assert nodes["estimator"]["datum_latitude_deg"] == 37.8
     assert nodes["planner"]["reaction_s"] == 3.0
-    assert nodes["planner"]["rules"] == "paper"
+    assert nodes["planner"]["rules"] == "deadbeat"
     assert nodes["planner"]["taylor_y_m"] == 0.0
     assert nodes["sim"]["speed"] == 10.0
     assert all(nodes[name]["use_sim_time"] for name in ("record", "estimator", "planner", "bridge"))

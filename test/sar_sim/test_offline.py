@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from shapely import LineString, Point
 
+from sar_planner.rule_sets import RULE_SETS
 from sar_sim.bag import read_messages
 from sar_sim.fly_cli import main as fly
 from sar_sim.offline import OfflineFlight
@@ -37,33 +38,42 @@ def lags(flight):
 
 
 def test_true_state_gives_the_papers_sequence():
-    assert lags(OfflineFlight(Scenario(), truth=True)) == pytest.approx(PAPER, abs=0.5)
+    assert lags(OfflineFlight(Scenario(), rules="paper", truth=True)) == pytest.approx(PAPER, abs=0.5)
 
 
 def test_noise_free_fixes_give_the_sequence_within_15_m():
-    assert lags(OfflineFlight(Scenario())) == pytest.approx(PAPER, abs=15.0)
+    assert lags(OfflineFlight(Scenario(), rules="paper")) == pytest.approx(PAPER, abs=15.0)
 
 
-def test_left_turns_mirror_right_turns():
+def test_deadbeat_takes_the_whole_lag_out_at_the_first_corner():
+    found = lags(OfflineFlight(Scenario()))
+    assert found[0] == pytest.approx(620.0, abs=10.0)  # of 800 m, the trim took the rest
+    assert found[1:] == pytest.approx([0.0] * 7, abs=3.0)
+
+
+@pytest.mark.parametrize("rules", RULE_SETS)
+def test_left_turns_mirror_right_turns(rules):
     left = replace(SHORT, pattern=replace(SHORT.pattern, turn_side=-1))
-    right_lags = lags(OfflineFlight(SHORT, truth=True))
-    assert lags(OfflineFlight(left, truth=True)) == pytest.approx(right_lags, abs=0.05)
+    right_lags = lags(OfflineFlight(SHORT, rules=rules, truth=True))
+    left_lags = lags(OfflineFlight(left, rules=rules, truth=True))
+    assert left_lags == pytest.approx(right_lags, abs=0.05)
 
 
-def test_noise_dropouts_and_a_human_pilot_are_flown_to_the_end():
+@pytest.mark.parametrize("rules", RULE_SETS)
+def test_noise_dropouts_and_a_human_pilot_are_flown_to_the_end(rules):
     scenario = replace(
         SHORT,
         gps=Gps(sigma_m=3.0, dropout=0.05, seed=5),
         pilot=Pilot(0.5, 0.15, 50.0, 4.0, seed=5),
     )
-    flight = OfflineFlight(scenario)
+    flight = OfflineFlight(scenario, rules=rules)
     assert len(lags(flight)) == 2
     assert flight.planner.corners_seen == 2
 
 
 def worst_deviation(scenario):
     """Fly one corner with the true state; return the UAV's largest distance from its plan [m]."""
-    flight = OfflineFlight(scenario, truth=True)
+    flight = OfflineFlight(scenario, rules="paper", truth=True)
     planned, flown = [], []
 
     def told(_progress):
@@ -87,7 +97,8 @@ def flown(tmp_path_factory):
     folders = []
     for name in ("a", "b"):
         out = tmp_path_factory.mktemp("fly") / name
-        assert fly(["--scenario", "short", "--seed", "3", "--out", str(out), "--quiet"]) == 0
+        options = ["--rules", "paper", "--seed", "3", "--out", str(out), "--quiet"]
+        assert fly(["--scenario", "short", *options]) == 0
         folders.append(out)
     return folders
 
@@ -142,10 +153,13 @@ def test_bag_is_standard_and_holds_the_graphs_topics(flown):
         (["--scenario", "nowhere"], "expected a file or one of"),
         (["--helicopter", "topic"], "--helicopter topic: expected sim"),
         (["--helicopter", "none.csv"], "none.csv: no such file or bag"),
-        (["--rules", "deadbeat"], "rules = deadbeat: not in this version"),
+        (["--scenario", "tight"], "min_separation_m = 300.0: expected less than spacing_m"),
     ],
 )
 def test_bad_options_are_one_line_and_exit_2(tmp_path, capsys, arguments, message):
+    tight = tmp_path / "tight.yaml"
+    tight.write_text("corner: {min_separation_m: 300.0}\n", encoding="utf-8")
+    arguments = [str(tight) if item == "tight" else item for item in arguments]
     assert fly([*arguments, "--out", str(tmp_path / "run"), "--quiet"]) == 2
     error = capsys.readouterr().err
     assert message in error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 import threading
 import time
@@ -13,7 +14,7 @@ from nav_msgs.msg import Odometry, Path
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import NavSatFix
-from std_msgs.msg import String
+from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
 
 from sar_bridge.link import Link
@@ -58,6 +59,7 @@ class BridgeNode(Node):
         self._uploaded = self.create_publisher(String, topics.UPLOADED, RELIABLE)
         self._diagnostics = self.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, RELIABLE)
         self.create_subscription(Path, topics.WAYPOINTS, self._on_list, LATCHED)
+        self.create_subscription(Float64, topics.SPEED, self._on_speed, LATCHED)
         self.create_subscription(NavSatFix, topics.DATUM, self._on_datum, LATCHED)
         self.create_service(Trigger, topics.RETURN_HOME, self._on_return_home)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
@@ -147,6 +149,11 @@ class BridgeNode(Node):
                 may_engage=0.0 < self._started_s <= stamp,
             )
         )
+
+    def _on_speed(self, message: Float64) -> None:
+        if math.isfinite(message.data):
+            with self._lock:
+                self._send(self._session.set_speed(message.data, time.monotonic()))
 
     def _on_return_home(
         self, _request: Trigger.Request, response: Trigger.Response

@@ -21,6 +21,8 @@ LINK_TIMEOUT_S = 3.0
 RETRY_LIST_S = 1.0
 LATE_POSITION_S = 0.5
 STREAM_RETRY_S = 2.0
+SPEED_STEP_MPS = 0.2
+SPEED_PERIOD_S = 1.0
 STREAMS = {
     mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: 10.0,
     mavlink.MAVLINK_MSG_ID_ATTITUDE: 10.0,
@@ -63,6 +65,9 @@ class AutopilotSession:
         self._returning = False
         self._mode_flown = ""
         self._streams_asked_s = float("-inf")
+        self._speed_wanted_mps = 0.0
+        self._speed_sent_mps = 0.0
+        self._speed_sent_s = float("-inf")
         self._heartbeat_sent_s = float("-inf")
 
     # What is asked of the session --------------------------------------------------------------
@@ -93,6 +98,29 @@ class AutopilotSession:
         self._points, self._stamp_s, self._datum = points, stamp_s, datum
         return self._start_upload(now_s)
 
+    def set_speed(self, speed_mps: float, now_s: float) -> Messages:
+        """Ask for a speed [m/s] while a list is flown; small changes and many are kept back.
+
+        As DO_CHANGE_SPEED of the airspeed, which in calm air is the ground speed.
+        """
+        self._speed_wanted_mps = speed_mps
+        return self._send_speed(now_s)
+
+    def _send_speed(self, now_s: float) -> Messages:
+        wanted = self._speed_wanted_mps
+        if self._commands is None or self._points is None or self.released or self._returning:
+            return []
+        if self.state.mode != "AUTO" or not wanted > 0.0:
+            return []
+        small = abs(wanted - self._speed_sent_mps) < SPEED_STEP_MPS
+        if small or now_s - self._speed_sent_s < SPEED_PERIOD_S:
+            return []
+        self._speed_sent_mps, self._speed_sent_s = wanted, now_s
+        airspeed = float(mavlink.SPEED_TYPE_AIRSPEED)
+        return self._commands.send(
+            Command(mavlink.MAV_CMD_DO_CHANGE_SPEED, (airspeed, wanted, -1.0)), now_s
+        )
+
     def return_home(self, now_s: float) -> Messages:
         """Command RTL and take no more lists until the planner has withdrawn its own.
 
@@ -106,6 +134,7 @@ class AutopilotSession:
         """Forget the list, and whatever is under way for it."""
         self._points = None
         self._engaging = False
+        self._speed_wanted_mps = self._speed_sent_mps = 0.0
         if self._upload is not None:
             self._upload.cancel()
         if self._commands is not None:
@@ -173,6 +202,7 @@ class AutopilotSession:
             out += (
                 self._ask_for_streams(now_s) + self._upload.tick(now_s) + self._commands.tick(now_s)
             )
+            out += self._send_speed(now_s)
             failed = self._upload.state is UploadState.FAILED
             if failed and now_s - self._upload.finished_s > RETRY_LIST_S:
                 out += self._start_upload(now_s)

@@ -10,6 +10,7 @@ from pathlib import Path
 import yaml
 
 from sar_planner.automaton import PaperAutomaton
+from sar_planner.deadbeat_automaton import DeadbeatAutomaton
 from sar_planner.parameters import CornerParameters, ParameterError
 from sar_planner.rule_sets import RULE_SETS, make_rule_set
 from sar_planner.rules import CornerPlan, NoPathError, Rule, build
@@ -22,14 +23,18 @@ FIELDS = {
     "spacing": "spacing_m",
     "convergence": "convergence",
     "taylor-y": "taylor_y_m",
+    "separation": "min_separation_m",
 }
+FORCED = tuple(str(rule) for rule in Rule if rule is not Rule.RJ)
+PAPER_RULES = (Rule.T1, Rule.T2, Rule.T3, Rule.T4)
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="corner", description=__doc__)
     parser.add_argument("--lag", type=float, help="L(k), the UAV's lag in metres")
-    parser.add_argument("--rules", choices=RULE_SETS, default="paper")
-    parser.add_argument("--rule", choices=tuple(Rule), help="this rule, whatever its domain")
+    parser.add_argument("--rules", choices=RULE_SETS, default="deadbeat")
+    parser.add_argument("--rule", choices=FORCED, help="this rule, whatever its domain")
+    parser.add_argument("--lead", type=float, default=0.0, help="metres flown straight on first")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--graph", action="store_true", help="print the automaton (fig. 8)")
     parser.add_argument("--params", type=Path, help="YAML file of corner parameters")
@@ -98,21 +103,29 @@ def _print_plan(plan: CornerPlan, *, as_json: bool) -> None:
         sys.stdout.write(f"{x:10.2f} {y:10.2f}\n")
 
 
-def _plan(automaton: PaperAutomaton, lag_m: float, rule: str | None) -> CornerPlan:
+def _plan(
+    automaton: PaperAutomaton | DeadbeatAutomaton, lag_m: float, rule: str | None, lead_m: float
+) -> CornerPlan:
     if rule is None:
-        return automaton.plan(lag_m)
-    return build(Rule(rule), lag_m, automaton.parameters)
+        return automaton.plan(lag_m, lead_m=lead_m)
+    if isinstance(automaton, DeadbeatAutomaton):
+        return automaton.plan(lag_m, lead_m=lead_m, only=Rule(rule))
+    return build(Rule(rule), lag_m, automaton.parameters, lead_m=lead_m)
 
 
 def main(argv: list[str] | None = None) -> int:
     """Run the command; 2 on bad input."""
     args = _arguments(argv)
     try:
-        automaton = make_rule_set(args.rules, _parameters(args))
+        rules = args.rules
+        if args.rule is not None:
+            rules = "paper" if args.rule in PAPER_RULES else "deadbeat"
+        automaton = make_rule_set(rules, _parameters(args))
         if args.graph:
             sys.stdout.write(automaton.describe() + "\n")
         if args.lag is not None:
-            _print_plan(_plan(automaton, args.lag, args.rule), as_json=args.json)
+            plan = _plan(automaton, args.lag, args.rule, args.lead)
+            _print_plan(plan, as_json=args.json)
     except (ParameterError, NoPathError, ValueError, OSError) as error:
         sys.stderr.write(f"corner: {error}\n")
         return 2

@@ -34,6 +34,14 @@ class Straight:
         c, s = math.cos(start.heading_rad), math.sin(start.heading_rad)
         return np.column_stack((start.x_m + c * distances_m, start.y_m + s * distances_m))
 
+    def part(self, length_m: float) -> Straight:
+        """Return the first ``length_m`` [m] of this straight."""
+        return Straight(length_m)
+
+    def nearest_m(self, start: Pose, x_m: float, y_m: float) -> float:
+        """Return the distance along this segment at which it is nearest to a point [m]."""
+        return min(max(start.along(x_m, y_m), 0.0), self.length_m)
+
 
 @dataclass(frozen=True, slots=True)
 class Arc:
@@ -69,6 +77,22 @@ class Arc:
         left = sign * self.radius_m
         cx, cy = self.centre(start)
         return np.column_stack((cx + left * np.sin(headings), cy - left * np.cos(headings)))
+
+    def part(self, length_m: float) -> Arc:
+        """Return the first ``length_m`` [m] of this arc."""
+        return Arc(self.radius_m, math.copysign(length_m / self.radius_m, self.turn_rad))
+
+    def nearest_m(self, start: Pose, x_m: float, y_m: float) -> float:
+        """Return the distance along this segment at which it is nearest to a point [m]."""
+        cx, cy = self.centre(start)
+        begun = math.atan2(start.y_m - cy, start.x_m - cx)
+        sign = math.copysign(1.0, self.turn_rad)
+        swept = (sign * (math.atan2(y_m - cy, x_m - cx) - begun)) % (2.0 * math.pi)
+        if swept <= abs(self.turn_rad):
+            return swept * self.radius_m
+        # Beyond the arc: which of its ends is nearer by angle.
+        beyond = swept - abs(self.turn_rad)
+        return self.length_m if beyond < 2.0 * math.pi - swept else 0.0
 
 
 Segment = Straight | Arc
@@ -137,6 +161,69 @@ class FlightPath:
             out[before] = Straight(0.0).points(self.start, distances[before])
         return out
 
+    def pose_at(self, distance_m: float) -> Pose:
+        """Return the pose at a path distance [m]; beyond the ends straight on."""
+        for begun, start, segment in zip(self._starts_m, self.joints, self.segments, strict=False):
+            if distance_m < begun + segment.length_m:
+                if distance_m < begun:
+                    break
+                return segment.pose_after(start, distance_m - float(begun))
+        if distance_m < 0.0 or not self.segments:
+            return self.start.offset(distance_m)
+        return self.end.offset(distance_m - self.length_m)
+
+    def cut(self, from_m: float, to_m: float = math.inf) -> FlightPath:
+        """Return the part between two path distances [m], each within the path."""
+        start = self.pose_at(from_m)
+        kept: list[Segment] = []
+        for begun, segment in zip(self._starts_m, self.segments, strict=False):
+            low = max(from_m - float(begun), 0.0)
+            high = min(to_m - float(begun), segment.length_m)
+            if high > low:
+                kept.append(segment.part(high - low))
+        return FlightPath.of(start, kept)
+
+    def then(self, other: FlightPath) -> FlightPath:
+        """Return this path followed by the segments of another that begins where this one ends.
+
+        Straights and arcs that go on in the same way become one.
+        """
+        merged: list[Segment] = []
+        for segment in (*self.segments, *other.segments):
+            last = merged[-1] if merged else None
+            if isinstance(segment, Straight) and isinstance(last, Straight):
+                merged[-1] = Straight(last.length_m + segment.length_m)
+            elif (
+                isinstance(segment, Arc)
+                and isinstance(last, Arc)
+                and segment.radius_m == last.radius_m
+                and segment.turn_rad * last.turn_rad > 0.0
+            ):
+                merged[-1] = Arc(last.radius_m, last.turn_rad + segment.turn_rad)
+            else:
+                merged.append(segment)
+        return FlightPath(self.start, tuple(merged))
+
+    def nearest_m(self, x_m: float, y_m: float, low_m: float, high_m: float) -> float:
+        """Return the path distance nearest to a point [m], between ``low_m`` and ``high_m``."""
+        best, nearest = min(max(0.0, low_m), self.length_m), math.inf
+        for begun, start, segment in zip(self._starts_m, self.joints, self.segments, strict=False):
+            at = float(begun) + segment.nearest_m(start, x_m, y_m)
+            at = min(max(at, low_m, float(begun)), high_m, float(begun) + segment.length_m)
+            if not low_m <= at <= high_m:
+                continue
+            there = segment.pose_after(start, at - float(begun))
+            gap = math.hypot(there.x_m - x_m, there.y_m - y_m)
+            if gap < nearest:
+                best, nearest = at, gap
+        over = self.end.along(x_m, y_m)
+        if over > 0.0 and self.length_m <= high_m:
+            beyond = min(over, high_m - self.length_m)
+            there = self.end.offset(beyond)
+            if math.hypot(there.x_m - x_m, there.y_m - y_m) < nearest:
+                best = self.length_m + beyond
+        return best
+
     def sample(self, spacing_m: float) -> FloatArray:
         """Return points, shape (n, 2) [m], no further apart than ``spacing_m``, ends included."""
         count = max(1, math.ceil(self.length_m / spacing_m))
@@ -179,10 +266,16 @@ class CornerFrame:
         x, y = points[:, 0], self.turn_side * points[:, 1]
         return np.column_stack((self.origin.x_m + x * c - y * s, self.origin.y_m + x * s + y * c))
 
+    def path_from_map(self, path: FlightPath) -> FlightPath:
+        """Return a path of the map in this frame (arcs mirrored for left turns)."""
+        return FlightPath(self.to_frame(path.start), self._sided(path))
+
     def path_to_map(self, path: FlightPath) -> FlightPath:
         """Return a path of the corner's frame in the map (arcs mirrored for left turns)."""
-        segments = tuple(
+        return FlightPath(self.pose_to_map(path.start), self._sided(path))
+
+    def _sided(self, path: FlightPath) -> tuple[Segment, ...]:
+        return tuple(
             Arc(part.radius_m, self.turn_side * part.turn_rad) if isinstance(part, Arc) else part
             for part in path.segments
         )
-        return FlightPath(self.pose_to_map(path.start), segments)

@@ -24,6 +24,8 @@ from sar_estimator.messages import (
 from sar_estimator.states import Motion
 from sar_planner.mission import ActiveCorner, MissionPlanner, Mode, UavStatus, WaypointList
 
+SPEED_STEP_MPS = 0.05
+
 COLOURS = {
     "helicopter": (0.85, 0.35, 0.0, 1.0),
     "uav": (0.0, 0.35, 0.7, 1.0),
@@ -120,9 +122,12 @@ class MarkerTracks:
 
 def decision_outputs(
     planner: MissionPlanner, waypoints: WaypointList | None
-) -> list[tuple[str, Path | String]]:
+) -> list[tuple[str, Path | String | Float64]]:
     """Return what is published when a decision was taken: topic and message."""
-    found: list[tuple[str, Path | String]] = []
+    found: list[tuple[str, Path | String | Float64]] = []
+    speed = planner.newly_asked_mps(SPEED_STEP_MPS)
+    if speed is not None:
+        found.append((topics.SPEED, Float64(data=speed)))
     if waypoints is not None:
         found.append((topics.WAYPOINTS, list_to_path(waypoints)))
         if planner.active is not None and waypoints.mode != Mode.LEG:
@@ -163,6 +168,9 @@ def planner_diagnostics(planner: MissionPlanner, time_s: float) -> DiagnosticArr
             "phase": planner.phase,
             "lag_m": "" if lag is None else f"{lag:.1f}",
             "separation_m": "" if separation is None else f"{separation:.1f}",
+            "speed_asked_mps": "" if planner.speed_mps is None else f"{planner.speed_mps:.1f}",
+            "corrections": planner.corrections,
+            "expected_extra_path_m": f"{planner.expected_extra_m:.0f}",
             "lists": 0 if planner.list is None else planner.list.number,
         },
     )

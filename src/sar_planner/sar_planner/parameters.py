@@ -21,6 +21,8 @@ class CornerParameters:
     convergence: rate c of the convergent rule, 0 < c < 1.
     min_clearance_s: T_d of (13), the least time between the aircraft where paths cross [s].
     taylor_y_m: y_o of (9) [m] where the paper's Taylor step is chosen, None for the exact root.
+    min_separation_m: least distance between the aircraft that the deadbeat rules may plan [m], None
+        for 0.8 d.
     """
 
     speed_mps: float = 20.0
@@ -30,6 +32,12 @@ class CornerParameters:
     convergence: float = 0.5
     min_clearance_s: float = 10.0
     taylor_y_m: float | None = None
+    min_separation_m: float | None = None
+
+    @property
+    def separation_m(self) -> float:
+        """The least distance between the aircraft that may be planned [m]."""
+        return 0.8 * self.spacing_m if self.min_separation_m is None else self.min_separation_m
 
     @property
     def stopping_m(self) -> float:

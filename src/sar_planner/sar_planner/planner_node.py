@@ -51,6 +51,7 @@ class PlannerNode(Node):
             topic: self.create_publisher(kind, topic, qos)
             for topic, kind, qos in (
                 (topics.WAYPOINTS, Path, LATCHED),
+                (topics.SPEED, Float64, LATCHED),
                 (topics.MODE, String, LATCHED),
                 (topics.LAG, Float64, RELIABLE),
                 (topics.CORNER_PLAN, String, RELIABLE),

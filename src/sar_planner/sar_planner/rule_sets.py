@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from sar_planner.automaton import PaperAutomaton
+from sar_planner.deadbeat_automaton import DeadbeatAutomaton
 from sar_planner.parameters import CornerParameters, ParameterError
 
-RULE_SETS = ("paper", "deadbeat")
+RULE_SETS = ("deadbeat", "paper")
 
 
 def make_rule_set(
     name: str, parameters: CornerParameters, *, enforce: bool = True
-) -> PaperAutomaton:
+) -> PaperAutomaton | DeadbeatAutomaton:
     """Return the named rule set.
 
     ``enforce`` refuses parameters outside the rules' conditions: those a mission is started with,
@@ -19,5 +20,5 @@ def make_rule_set(
     if name == "paper":
         return PaperAutomaton(parameters, enforce=enforce)
     if name == "deadbeat":
-        raise ParameterError("rules = deadbeat: not in this version, expected paper")
+        return DeadbeatAutomaton(parameters, enforce=enforce)
     raise ParameterError(f"rules = {name}: expected one of {', '.join(RULE_SETS)}")

@@ -23,21 +23,32 @@ HALF_PI = math.pi / 2.0
 
 
 class Rule(enum.StrEnum):
-    """The path rules, in the paper's numbering."""
+    """The path rules: T1 to T4 in the paper's numbering, D1 to D3 of the deadbeat set.
+
+    RJ stands for a corner that is begun from anywhere but the slot track.
+    """
 
     T1 = "T1"
     T2 = "T2"
     T3 = "T3"
     T4 = "T4"
+    D1 = "D1"
+    D2 = "D2"
+    D3 = "D3"
+    RJ = "RJ"
 
     @property
     def label(self) -> str:
-        """The paper's name of the rule."""
+        """The rule's name; the paper's for the paper's."""
         return {
             Rule.T1: "cut corner",
             Rule.T2: "fixed curve",
             Rule.T3: "convergent",
             Rule.T4: "outside loop",
+            Rule.D1: "cut corner",
+            Rule.D2: "adjustable curve",
+            Rule.D3: "outside loop",
+            Rule.RJ: "rejoin",
         }[self]
 
 
@@ -204,7 +215,7 @@ _BUILDERS = {
 def build(rule: Rule, lag_m: float, p: CornerParameters, *, lead_m: float = 0.0) -> CornerPlan:
     """Build the plan of one rule for lag L [m], the UAV turning no earlier than ``lead_m`` [m].
 
-    Raises ``NoPathError`` when the rule has no such path.
+    Raises ``NoPathError`` when the rule has no such path, ``KeyError`` for the deadbeat rules.
     """
     path = _BUILDERS[rule](lag_m, max(0.0, lead_m), p)
     return CornerPlan(rule, lag_m, next_lag_m(path, p), path, p)

@@ -1,48 +1,52 @@
-"""Distance between the two aircraft over time, during a corner."""
+"""Distance between the two aircraft over time."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from sar_estimator.plane import Pose
+from sar_planner.captures import PathBatch
+from sar_planner.forecast import Forecast, cornering
 from sar_planner.geometry import FlightPath, FloatArray
 from sar_planner.parameters import CornerParameters
+
+SAMPLE_M = 20.0
 
 
 @dataclass(frozen=True, slots=True)
 class ClosestApproach:
-    """The least distance [m] and its time [s] after the helicopter begins to slow."""
+    """The least distance [m] and its time [s] after the path's beginning."""
 
     distance_m: float
     time_s: float
 
 
-def helicopter_positions(times_s: FloatArray, p: CornerParameters) -> FloatArray:
-    """Return the helicopter's positions, shape (n, 2) [m], in the corner's frame.
-
-    It slows from (-s, 0) with constant a, turns on the spot, accelerates down x = 0 with a.
-    """
-    v, a, s = p.speed_mps, p.accel_mps2, p.stopping_m
-    stop = v / a
-    slowing = np.clip(times_s, 0.0, stop)
-    x = -s + v * np.minimum(times_s, slowing) - 0.5 * a * slowing**2
-    going = np.clip(times_s - stop, 0.0, stop)
-    y = -0.5 * a * going**2 - v * np.maximum(times_s - 2.0 * stop, 0.0)
-    return np.column_stack((x, y))
+def corner_forecast(p: CornerParameters) -> Forecast:
+    """Return the helicopter's motion at a corner, in the corner's frame, slowing from time 0."""
+    return cornering(0.0, Pose(0.0, 0.0, 0.0), speed_mps=p.speed_mps, accel_mps2=p.accel_mps2)
 
 
 def closest_approach(path: FlightPath, p: CornerParameters) -> ClosestApproach:
-    """Return the closest approach while the path is flown at V and the helicopter turns.
+    """Return the closest approach while the path is flown at V and the helicopter turns."""
+    return closest_over_time(path, corner_forecast(p), start_s=0.0, speed_mps=p.speed_mps)
 
-    Counted from the helicopter's slowing until the UAV has ended its path and the helicopter is
-    back at V; from then on the distance is constant.
+
+def closest_over_time(
+    path: FlightPath, forecast: Forecast, *, start_s: float, speed_mps: float
+) -> ClosestApproach:
+    """Return the closest approach of a path begun at ``start_s`` and flown at ``speed_mps``.
+
+    Until the UAV has ended its path and the helicopter is back at V; from then on, at equal
+    speeds, the distance is constant.
     """
-    end_s = max(path.length_m / p.speed_mps, 2.0 * p.speed_mps / p.accel_mps2)
+    end_s = max(path.length_m / speed_mps, forecast.steady_s - start_s, 1e-3)
 
     def nearest(low_s: float, high_s: float, count: int) -> tuple[float, float, float]:
         times = np.linspace(low_s, high_s, count)
-        gap = path.points(times * p.speed_mps) - helicopter_positions(times, p)
+        gap = path.points(times * speed_mps) - forecast.positions(start_s + times)
         distances = np.hypot(gap[:, 0], gap[:, 1])
         best = int(distances.argmin())
         return float(distances[best]), float(times[best]), float(times[1] - times[0])
@@ -52,3 +56,38 @@ def closest_approach(path: FlightPath, p: CornerParameters) -> ClosestApproach:
         low, high = max(0.0, time - step), min(end_s, time + step)
         distance, time, step = nearest(low, high, 41)
     return ClosestApproach(distance, time)
+
+
+def sampling_slack_m(distance_m: float, radius_m: float) -> float:
+    """Return by how much less [m] than sampled two aircraft may come between samples.
+
+    Half a sample apart from the closest approach, at no more than twice the UAV's speed, the
+    distance has grown by no more than the sagitta of the relative way, and by what both can
+    accelerate meanwhile.
+    """
+    half = 0.5 * SAMPLE_M
+    return (2.0 * half) ** 2 / (2.0 * distance_m) + half**2 / radius_m
+
+
+def least_distances_m(
+    batch: PathBatch, forecast: Forecast, *, start_s: float, speeds_mps: float | FloatArray
+) -> FloatArray:
+    """Return the least sampled distance to the helicopter on every path, shape (n,) [m].
+
+    ``speeds_mps``: one for all paths, or one for each. Sampled every ``SAMPLE_M`` of the fastest
+    path, until all paths are flown and the helicopter is back at V.
+    """
+    if len(batch) == 0:
+        return np.empty(0)
+    speeds = np.broadcast_to(np.asarray(speeds_mps, dtype=np.float64), (len(batch),))
+    step_s = SAMPLE_M / float(speeds.max())
+    end_s = max(float((batch.lengths_m / speeds).max()), forecast.steady_s - start_s, step_s)
+    times = np.linspace(0.0, end_s, math.ceil(end_s / step_s) + 1)
+    distances = speeds[:, None] * times[None, :]
+    # On the slot track at V the distance no longer changes.
+    over = distances - batch.lengths_m[:, None]
+    slower = forecast.speed_mps / speeds[:, None]
+    distances = np.where(over > 0.0, batch.lengths_m[:, None] + over * slower, distances)
+    gap = batch.points(distances) - forecast.positions(start_s + times)[None, :, :]
+    least: FloatArray = np.sqrt(np.square(gap).sum(axis=2).min(axis=1))
+    return least

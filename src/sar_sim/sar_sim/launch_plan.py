@@ -20,7 +20,7 @@ class FlightOptions:
 
     helicopter: str = "sim"
     autopilot: str = ""
-    rules: str = "paper"
+    rules: str = "deadbeat"
     speed: float | None = None
     simulation: bool = True
 

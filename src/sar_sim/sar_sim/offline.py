@@ -42,6 +42,7 @@ TICKS_PER_STATUS = 10
 LATCHED = {
     topics.DATUM,
     topics.WAYPOINTS,
+    topics.SPEED,
     topics.PHASE,
     topics.MODE,
     topics.MISSION,
@@ -95,7 +96,7 @@ class OfflineFlight:
         self,
         scenario: Scenario,
         *,
-        rules: str = "paper",
+        rules: str = "deadbeat",
         truth: bool = False,
         track: list[Fix] | None = None,
         estimator_parameters: EstimatorParameters | None = None,
@@ -179,7 +180,7 @@ class OfflineFlight:
                 fix.time_s, velocity.vx_mps, velocity.vy_mps, velocity.sigma_mps
             )
         self.estimator.add_fix(fix)
-        if self._truth is None:
+        if self._truth is None and self._bag is not None:
             for topic, output in fix_outputs(self.estimator, self.now_s):
                 self._write(topic, output)
 
@@ -201,18 +202,22 @@ class OfflineFlight:
 
     def _tick(self) -> None:
         source = self._truth or self.estimator
+        self._know(source)
+        if self._bag is not None:
+            self._write_motions(source)
+        self._plan()
+        if self._bag is not None and self._steps % (STEPS_PER_TICK * TICKS_PER_STATUS) == 0:
+            for topic, status in status_outputs(self.planner):
+                self._write(topic, status)
+            self._write(topics.DIAGNOSTICS, planner_diagnostics(self.planner, self.now_s))
+
+    def _write_motions(self, source: HelicopterEstimator | TrueEstimates) -> None:
         for topic, output in prediction_outputs(source, self.now_s):
             self._write(topic, output)
-        self._know(source)
         for topic, odometry in self.world.truth(self.now_s):
             self._write(topic, odometry)
             if topic == topics.TRUE_UAV:
                 self._write(topics.UAV_ODOMETRY, odometry)
-        self._plan()
-        if self._steps % (STEPS_PER_TICK * TICKS_PER_STATUS) == 0:
-            for topic, status in status_outputs(self.planner):
-                self._write(topic, status)
-            self._write(topics.DIAGNOSTICS, planner_diagnostics(self.planner, self.now_s))
 
     def _plan(self) -> None:
         autopilot = self.world.autopilot
@@ -220,10 +225,13 @@ class OfflineFlight:
         if self.planner.mode is Mode.IDLE:
             self.planner.engage(self.now_s)
         waypoints = self.planner.update(self.now_s)
-        for topic, decision in decision_outputs(self.planner, waypoints):
-            self._write(topic, decision)
+        if self._bag is not None:
+            for topic, decision in decision_outputs(self.planner, waypoints):
+                self._write(topic, decision)
         if waypoints is not None:
             self._load(waypoints)
+        if self.planner.speed_mps is not None:
+            autopilot.airspeed_mps = self.planner.speed_mps
 
     def _load(self, waypoints: WaypointList) -> None:
         """Hand a list to the autopilot as the bridge does, at once."""

@@ -1,0 +1,210 @@
+"""A path onto a slot while it is flown: how far it is, where it will end, how it is corrected.
+
+Everything here is in the frame of the slot the path leads to (x along the slot track, the track
+on y = 0), so that a correction for a slot that has moved is the same as for a UAV that has.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sar_estimator.plane import Pose
+from sar_planner.captures import (
+    COLUMNS,
+    STRAIGHT_P,
+    STRAIGHT_Q,
+    STRAIGHT_Y,
+    CaptureProblem,
+    PathBatch,
+)
+from sar_planner.forecast import Forecast
+from sar_planner.geometry import Arc, CornerFrame, FlightPath, FloatArray, Straight
+from sar_planner.separation import least_distances_m, sampling_slack_m
+
+PAIRS = ((STRAIGHT_Y, STRAIGHT_Q), (STRAIGHT_P, STRAIGHT_Y), (STRAIGHT_P, STRAIGHT_Q))
+BEHIND_M, BEFORE_M = 60.0, 60.0
+GRID_RAD = np.radians(np.arange(-175.0, 181.0, 5.0))
+OVERSHOOTS_RAD = tuple(math.radians(slope) for slope in (20.0, 40.0, 60.0, 80.0))
+SIDES = (1, -1)
+CHUNK = 48
+WIDEST = 600
+TWO_PI = 2.0 * math.pi
+DETOUR_COST = 0.1
+LONGEST_TURN_RAD = 1.75 * math.pi
+
+
+@dataclass(frozen=True)
+class Approach:
+    """A path, in the slot's frame, begun at ``begun_s`` and flown at ``speed_mps``.
+
+    ``turn_rad``: all the turning there was when it was first planned.
+    """
+
+    frame: CornerFrame
+    path: FlightPath
+    begun_s: float
+    speed_mps: float
+    turn_rad: float
+
+    def flown_m(self, uav: Pose, now_s: float) -> float:
+        """Return the path distance [m] at which the UAV (in the frame) is nearest to the path."""
+        expected = self.speed_mps * (now_s - self.begun_s)
+        return self.path.nearest_m(
+            uav.x_m, uav.y_m, max(0.0, expected - BEHIND_M), expected + BEFORE_M
+        )
+
+    def turn_left(self, flown_m: float) -> float:
+        """Return the share of all turning that is still to come."""
+        left = total_turn_rad(self.path.cut(min(flown_m, self.path.length_m)))
+        return 0.0 if self.turn_rad <= 0.0 else min(1.0, left / self.turn_rad)
+
+
+def total_turn_rad(path: FlightPath) -> float:
+    """Return the sum of all turns, whatever their side [rad]."""
+    return math.fsum(abs(part.turn_rad) for part in path.segments if isinstance(part, Arc))
+
+
+def final_lag_m(path: FlightPath, forecast: Forecast, *, start_s: float, speed_mps: float) -> float:
+    """Return the lag on the slot [m] after a path begun at ``start_s``, at equal speeds then."""
+    arrival_s = start_s + path.length_m / speed_mps
+    return forecast.leg.x_m + forecast.along_m(arrival_s) - path.end.x_m
+
+
+def row_of(path: FlightPath) -> FloatArray | None:
+    """Return a path as a row of ``PathBatch``, shape (7,); None where it is no such path."""
+    row = np.zeros(COLUMNS)
+    kinds = (Straight, Arc, Straight, Arc, Straight, Arc, Arc)
+    column = 0
+    for part in path.segments:
+        while column < COLUMNS and not isinstance(part, kinds[column]):
+            column += 1
+        if column == COLUMNS:
+            return None
+        row[column] = part.turn_rad if isinstance(part, Arc) else part.length_m
+        column += 1
+    return row
+
+
+@dataclass(frozen=True)
+class Recapture:
+    """The search for a path from ``start`` at ``start_s`` that ends with lag ``target_m``.
+
+    ``forecasts``: the first is what is expected, all are kept apart from.
+    """
+
+    start: Pose
+    start_s: float
+    forecasts: tuple[Forecast, ...]
+    turn_radius_m: float
+    speed_mps: float
+    separation_m: float
+    longest_m: float
+    target_m: float = 0.0
+
+    @property
+    def _problem(self) -> CaptureProblem:
+        v = self.forecasts[0].speed_mps
+        return CaptureProblem(self.start, self.turn_radius_m, v / self.speed_mps)
+
+    @property
+    def _detour_m(self) -> float:
+        forecast = self.forecasts[0]
+        slot = forecast.leg.x_m + forecast.along_m(self.start_s)
+        return self.start.x_m - slot + self.target_m
+
+    def distances_m(self, batch: PathBatch) -> FloatArray:
+        """Return least distances to the helicopter [m], none more than the true ones."""
+        least = np.full(len(batch), math.inf)
+        for forecast in self.forecasts:
+            sampled = least_distances_m(
+                batch, forecast, start_s=self.start_s, speeds_mps=self.speed_mps
+            )
+            least = np.minimum(least, sampled)
+        return least - sampling_slack_m(self.separation_m, self.turn_radius_m)
+
+    def _first_kept(
+        self, batch: PathBatch, costs: FloatArray, separation_m: float
+    ) -> FlightPath | None:
+        """Return the cheapest path that keeps the separation."""
+        order = np.argsort(costs, kind="stable")
+        order = order[batch.lengths_m[order] <= self.longest_m]
+        for begin in range(0, len(order), CHUNK):
+            part = batch.take(order[begin : begin + CHUNK])
+            kept = np.flatnonzero(self.distances_m(part) >= separation_m)
+            if kept.size:
+                return part.path(int(kept[0]))
+        return None
+
+    def best(self, row: FloatArray | None, separations_m: tuple[float, ...]) -> FlightPath | None:
+        """Return the path to fly, the old one given as a row; None where none is safe.
+
+        The old one's headings with other straights, else the shortest of any headings, both ending
+        with the lag wanted, for the first of the separations [m] that has one; else the one that
+        ends nearest to it, short ones preferred.
+        """
+        same = None if row is None else self._same_turns(row)
+        exact = None
+        for separation in separations_m:
+            path = None if same is None else self._first_kept(same, same.lengths_m, separation)
+            if path is None:
+                exact = self._any_turns() if exact is None else exact
+                path = self._first_kept(exact, exact.lengths_m, separation)
+            if path is not None:
+                return path
+        inexact = self._any_lag()
+        errors = np.abs(self._problem.detours_m(inexact) - self._detour_m)
+        costs = errors + DETOUR_COST * inexact.lengths_m
+        return self._first_kept(inexact, costs, self.separation_m)
+
+    def _same_turns(self, row: FloatArray) -> PathBatch:
+        """Return the paths of the same headings with other straights."""
+        batches = []
+        turn_1, turn_2 = row[1:2], row[3:4]
+        for pair in PAIRS:
+            for side in SIDES:
+                batch = self._problem.solve(turn_1, turn_2, side, self._detour_m, straights=pair)
+                batches.append(batch.take(np.abs(batch.rows[:, 5]) <= LONGEST_TURN_RAD))
+        return PathBatch.join(batches)
+
+    def _any_turns(self) -> PathBatch:
+        """Return the paths of any two headings that end with the lag wanted."""
+        problem, detour = self._problem, self._detour_m
+        h1, h2 = (grid.ravel() for grid in np.meshgrid(GRID_RAD, GRID_RAD, indexing="ij"))
+        batches = []
+        for first in SIDES:
+            turn_1 = first * np.mod(first * (h1 - self.start.heading_rad), TWO_PI)
+            for second in SIDES:
+                turn_2 = second * np.mod(second * (h2 - h1), TWO_PI)
+                short = (np.abs(turn_1) <= LONGEST_TURN_RAD) & (np.abs(turn_2) <= LONGEST_TURN_RAD)
+                batches += [
+                    problem.solve(turn_1[short], turn_2[short], third, detour) for third in SIDES
+                ]
+        return PathBatch.join(batches)
+
+    def _any_lag(self) -> PathBatch:
+        """Return paths of one heading, and of one that overshoots the slot track, any lag."""
+        problem = self._problem
+        turn_2 = np.zeros_like(GRID_RAD)
+        batches = []
+        for first in SIDES:
+            turn_1 = first * np.mod(first * (GRID_RAD - self.start.heading_rad), TWO_PI)
+            for last in SIDES:
+                batches.append(problem.reach(turn_1, turn_2, last))
+                for slope in OVERSHOOTS_RAD:
+                    over = replace(problem, last_turn_rad=last * slope)
+                    batches.append(over.reach(turn_1, turn_2, -last))
+        return PathBatch.join(batches)
+
+    def widest(self) -> tuple[FlightPath, float] | None:
+        """Return the path that stays the farthest from the helicopter, and its least distance."""
+        batch = PathBatch.join([self._any_turns(), self._any_lag()])
+        batch = batch.take(np.flatnonzero(batch.lengths_m <= self.longest_m))
+        if len(batch) == 0:
+            return None
+        batch = batch.take(np.linspace(0, len(batch) - 1, min(len(batch), WIDEST)).astype(int))
+        distances = self.distances_m(batch)
+        best = int(np.argmax(distances))
+        return batch.path(best), float(distances[best])

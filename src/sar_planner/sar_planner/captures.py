@@ -1,0 +1,251 @@
+"""Paths from any pose onto the slot track, solved in closed form over grids of headings.
+
+Every path is S(p) C S(y) C S(q) C C: straights and arcs of one radius, ending on the slot track in
+its direction. The last arc is left out where it is not needed.
+
+In the slot's frame (x along the slot track, the track itself on y = 0) two quantities decide
+everything: the lateral way, which must bring the UAV to y = 0, and the detour kappa l - dx, by
+which the UAV falls back against a slot that moves at V while the UAV flies at V / kappa. For given
+headings between the arcs both are linear in the straights, so that two of these follow from a
+system of two equations; what is left are the headings, searched on a grid.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sar_estimator.plane import Pose
+from sar_planner.geometry import Arc, FlightPath, FloatArray, Straight
+
+TWO_PI = 2.0 * math.pi
+COLUMNS = 7
+STRAIGHT_P, STRAIGHT_Y, STRAIGHT_Q = 0, 2, 4
+STRAIGHTS = [STRAIGHT_P, STRAIGHT_Y, STRAIGHT_Q]
+TURNS = [1, 3, 5, 6]
+SINGULAR = 1e-3
+
+
+@dataclass(frozen=True)
+class PathBatch:
+    """n paths from one pose; ``rows``, shape (n, 7): p [m], turn [rad], y, turn, q, turn, turn."""
+
+    start: Pose
+    radius_m: float
+    rows: FloatArray
+
+    def __len__(self) -> int:
+        """How many paths."""
+        return len(self.rows)
+
+    def take(self, chosen: NDArray[np.bool_] | NDArray[np.intp] | Sequence[int]) -> PathBatch:
+        """Return some of the paths."""
+        return PathBatch(self.start, self.radius_m, self.rows[chosen])
+
+    @staticmethod
+    def join(batches: Sequence[PathBatch]) -> PathBatch:
+        """Return the paths of all batches; they share start and radius."""
+        first = batches[0]
+        return PathBatch(first.start, first.radius_m, np.vstack([batch.rows for batch in batches]))
+
+    @cached_property
+    def _parts_m(self) -> FloatArray:
+        lengths = np.abs(self.rows)
+        lengths[:, TURNS] *= self.radius_m
+        return lengths
+
+    @cached_property
+    def lengths_m(self) -> FloatArray:
+        """Length of every path, shape (n,) [m]."""
+        total: FloatArray = self._parts_m.sum(axis=1)
+        return total
+
+    @cached_property
+    def _joints(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """x, y and heading where every part begins, and the end: shapes (n, 8)."""
+        n = len(self.rows)
+        heading = np.empty((n, COLUMNS + 1))
+        heading[:, 0] = self.start.heading_rad
+        turns = self.rows.copy()
+        turns[:, STRAIGHTS] = 0.0
+        np.cumsum(turns, axis=1, out=turns)
+        heading[:, 1:] = self.start.heading_rad + turns
+        half = 0.5 * (heading[:, 1:] + heading[:, :-1])
+        chord = self._parts_m * np.sinc((heading[:, 1:] - heading[:, :-1]) / TWO_PI)
+        x, y = np.empty((n, COLUMNS + 1)), np.empty((n, COLUMNS + 1))
+        x[:, 0], y[:, 0] = self.start.x_m, self.start.y_m
+        np.cumsum(chord * np.cos(half), axis=1, out=x[:, 1:])
+        np.cumsum(chord * np.sin(half), axis=1, out=y[:, 1:])
+        x[:, 1:] += self.start.x_m
+        y[:, 1:] += self.start.y_m
+        return x, y, heading
+
+    @property
+    def ends(self) -> FloatArray:
+        """Where the paths end, shape (n, 2) [m]."""
+        x, y, _ = self._joints
+        return np.column_stack((x[:, -1], y[:, -1]))
+
+    def points(self, distances_m: FloatArray) -> FloatArray:
+        """Return positions, shape (n, m, 2) [m], at distances flown, shape (m,) or (n, m)."""
+        x, y, heading = self._joints
+        flown = np.broadcast_to(distances_m, (len(self.rows), distances_m.shape[-1]))
+        ends = np.cumsum(self._parts_m, axis=1)
+        part = (flown[:, :, None] >= ends[:, None, :]).sum(axis=2)
+        begins = np.concatenate((np.zeros((len(self.rows), 1)), ends), axis=1)
+        path = np.arange(len(self.rows))[:, None]
+        curvature = np.zeros((len(self.rows), COLUMNS + 1))
+        curvature[:, TURNS] = np.sign(self.rows[:, TURNS]) / self.radius_m
+        over = flown - begins[path, part]
+        half_turn = 0.5 * curvature[path, part] * over
+        chord = over * np.sinc(half_turn / math.pi)
+        course = heading[path, part] + half_turn
+        return np.stack(
+            (x[path, part] + chord * np.cos(course), y[path, part] + chord * np.sin(course)),
+            axis=2,
+        )
+
+    def path(self, index: int) -> FlightPath:
+        """Return one path."""
+        p, turn_1, y, turn_2, q, turn_3, turn_4 = (float(value) for value in self.rows[index])
+        r = self.radius_m
+        return FlightPath.of(
+            self.start,
+            (
+                Straight(p),
+                Arc(r, turn_1),
+                Straight(y),
+                Arc(r, turn_2),
+                Straight(q),
+                Arc(r, turn_3),
+                Arc(r, turn_4),
+            ),
+        )
+
+
+def turn_to(heading_rad: FloatArray, target_rad: float, side: int) -> FloatArray:
+    """Return the signed turns [rad], |turn| < 2 pi, from headings to a heading by one side."""
+    turn = np.mod(side * (target_rad - heading_rad), TWO_PI)
+    return side * np.where(turn > TWO_PI - 1e-9, 0.0, turn)
+
+
+@dataclass(frozen=True)
+class CaptureProblem:
+    """From ``start``, in the slot's frame (track on y = 0, direction +x), onto the slot track.
+
+    ``slow_factor``: kappa = V / speed of the UAV. ``last_turn_rad``: the last arc, 0 for none.
+    """
+
+    start: Pose
+    radius_m: float
+    slow_factor: float = 1.0
+    last_turn_rad: float = 0.0
+
+    def _turns(
+        self, turn_1: FloatArray, turn_2: FloatArray, last_side: int
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return headings after each turn, the last turn, and lateral way and detour of arcs."""
+        h0 = self.start.heading_rad
+        h1 = h0 + turn_1
+        h2 = h1 + turn_2
+        turn_3 = turn_to(h2, -self.last_turn_rad, last_side)
+        h3 = h2 + turn_3
+        turn_4 = np.full_like(h3, self.last_turn_rad)
+        r = self.radius_m
+        lateral = np.zeros_like(h1)
+        forward = np.zeros_like(h1)
+        for turn, before, after in (
+            (turn_1, h0, h1),
+            (turn_2, h1, h2),
+            (turn_3, h2, h3),
+            (turn_4, h3, h3 + turn_4),
+        ):
+            side = np.sign(turn)
+            lateral = lateral + side * r * (np.cos(before) - np.cos(after))
+            forward = forward + side * r * (np.sin(after) - np.sin(before))
+        length = r * (np.abs(turn_1) + np.abs(turn_2) + np.abs(turn_3) + np.abs(turn_4))
+        return h1, h2, turn_3, lateral, self.slow_factor * length - forward
+
+    def solve(
+        self,
+        turn_1: FloatArray,
+        turn_2: FloatArray,
+        last_side: int,
+        detour_m: float,
+        *,
+        straights: tuple[int, int] = (STRAIGHT_Y, STRAIGHT_Q),
+        lead_m: float = 0.0,
+    ) -> PathBatch:
+        """Return the paths with exactly this detour [m]; turns [rad], shape (n,).
+
+        ``straights``: which two are solved for; of the others p is ``lead_m`` and q is 0. Rows
+        without a solution of straights not below 0 (p not below ``lead_m``) are dropped.
+        """
+        h1, h2, turn_3, lateral, arcs_detour = self._turns(turn_1, turn_2, last_side)
+        k = self.slow_factor
+        headings = {
+            STRAIGHT_P: np.full_like(h1, self.start.heading_rad),
+            STRAIGHT_Y: h1,
+            STRAIGHT_Q: h2,
+        }
+        h0 = self.start.heading_rad
+        want_y = -self.start.y_m - lateral - lead_m * math.sin(h0)
+        want_e = detour_m - arcs_detour - lead_m * (k - math.cos(h0))
+        first, second = (headings[column] for column in straights)
+        a11, a12 = np.sin(first), np.sin(second)
+        a21, a22 = k - np.cos(first), k - np.cos(second)
+        det = a11 * a22 - a12 * a21
+        safe = np.where(np.abs(det) < SINGULAR, np.inf, det)
+        rows = np.zeros((len(h1), COLUMNS))
+        rows[:, STRAIGHT_P] = lead_m
+        rows[:, straights[0]] += (want_y * a22 - a12 * want_e) / safe
+        rows[:, straights[1]] += (a11 * want_e - a21 * want_y) / safe
+        rows[:, 1], rows[:, 3], rows[:, 5] = turn_1, turn_2, turn_3
+        rows[:, 6] = self.last_turn_rad
+        good = (np.abs(det) >= SINGULAR) & (rows[:, straights[0]] > -1e-9)
+        good &= rows[:, straights[1]] > -1e-9
+        if STRAIGHT_P in straights:
+            good &= rows[:, STRAIGHT_P] >= lead_m - 1e-9
+        rows = rows[good]
+        rows[:, STRAIGHTS] = np.maximum(rows[:, STRAIGHTS], 0.0)
+        return PathBatch(self.start, self.radius_m, rows)
+
+    def reach(
+        self,
+        turn_1: FloatArray,
+        turn_2: FloatArray,
+        last_side: int,
+        *,
+        straight: int = STRAIGHT_Y,
+        lead_m: float = 0.0,
+    ) -> PathBatch:
+        """Return the paths with one straight free, whatever their detour."""
+        h1, h2, turn_3, lateral, _ = self._turns(turn_1, turn_2, last_side)
+        heading = {
+            STRAIGHT_P: np.full_like(h1, self.start.heading_rad),
+            STRAIGHT_Y: h1,
+            STRAIGHT_Q: h2,
+        }[straight]
+        sine = np.sin(heading)
+        want = -self.start.y_m - lateral - lead_m * math.sin(self.start.heading_rad)
+        safe = np.where(np.abs(sine) < SINGULAR, np.inf, sine)
+        rows = np.zeros((len(h1), COLUMNS))
+        rows[:, STRAIGHT_P] = lead_m
+        rows[:, straight] += want / safe
+        rows[:, 1], rows[:, 3], rows[:, 5] = turn_1, turn_2, turn_3
+        rows[:, 6] = self.last_turn_rad
+        good = (np.abs(sine) >= SINGULAR) & (rows[:, straight] > -1e-9)
+        if straight == STRAIGHT_P:
+            good &= rows[:, STRAIGHT_P] >= lead_m - 1e-9
+        rows = rows[good]
+        rows[:, STRAIGHTS] = np.maximum(rows[:, STRAIGHTS], 0.0)
+        return PathBatch(self.start, self.radius_m, rows)
+
+    def detours_m(self, batch: PathBatch) -> FloatArray:
+        """Return the detour kappa l - dx of every path, shape (n,) [m]."""
+        return self.slow_factor * batch.lengths_m - (batch.ends[:, 0] - self.start.x_m)

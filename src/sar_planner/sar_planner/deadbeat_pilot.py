@@ -1,0 +1,517 @@
+"""The closed loop in flight: deadbeat rules, corrections inside the corner, rejoining, speed trim.
+
+Whatever the UAV does is an approach: a path onto the slot that the helicopter's motion to come
+defines. At a corner the deadbeat rules choose it; from anywhere else ``rejoin`` does. While it is
+flown, it is looked at with every decision: where will it end, and will it stay apart? When that is
+no longer as wanted, what is left of it is solved again from where the UAV really is.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from sar_estimator.plane import Pose
+from sar_estimator.states import CornerEstimate, LegEstimate, Phase
+from sar_planner.approach import Approach, Recapture, final_lag_m, row_of, total_turn_rad
+from sar_planner.deadbeat import CONVERGED_M, DeadbeatRules
+from sar_planner.forecast import Forecast
+from sar_planner.geometry import CornerFrame, FlightPath, FloatArray
+from sar_planner.mission_parameters import ActiveCorner, MissionParameters, Mode, unusable
+from sar_planner.parameters import CornerParameters
+from sar_planner.rejoin import RejoinPlan, RejoinTask, rejoin
+from sar_planner.rules import CornerPlan, NoPathError, Rule
+from sar_planner.separation import closest_over_time
+from sar_planner.situation import Situation
+from sar_planner.slot_track import SlotTrack
+from sar_planner.speed_trim import PathBias, trimmed_mps
+from sar_planner.waypoints import path_waypoints
+
+ON_TRACK_M = 40.0
+ON_HEADING_RAD = math.radians(25.0)
+OFF_PATH_M = 20.0
+FRAME_SHIFT_M = 8.0
+FRAME_TURN_RAD = math.radians(2.0)
+SETTLED_RAD = math.radians(20.0)
+TIMING_M = 15.0
+MARGIN_SHARE = 0.2
+WIDER_M = 5.0
+LONGER_SPACINGS = 1.6
+RETRY_S = 2.0
+
+Listed = tuple[str, FloatArray]
+
+
+class DeadbeatPilot:
+    """Slot track with speed trim on legs, approaches everywhere else."""
+
+    def __init__(
+        self, situation: Situation, corner: CornerParameters, mission: MissionParameters
+    ) -> None:
+        """Begin on a leg."""
+        self._s = situation
+        self._corner = corner
+        self._mission = mission
+        self._track = SlotTrack(mission)
+        self.bias = PathBias(mission.bias_gain)
+        self.active: ActiveCorner | None = None
+        self.approach: Approach | None = None
+        self.problem = ""
+        self.speed_mps: float | None = None
+        self.slot: Pose | None = None
+        self.corrections = 0
+        self._holding = False
+        self._planned: CornerEstimate | None = None
+        self._done_corner = 0
+        self._retry_s = -math.inf
+
+    # Engagement --------------------------------------------------------------------------------
+
+    @property
+    def mode(self) -> Mode:
+        """What the UAV is being led along."""
+        if self.active is not None:
+            return Mode.CORNER
+        if self._holding:
+            return Mode.HOLD
+        return Mode.LEG if self.approach is None else Mode.REJOIN
+
+    @property
+    def expected_extra_m(self) -> float:
+        """What the next corner's path is expected to be longer than planned [m]."""
+        return self.bias.extra_m
+
+    def begin(self) -> None:
+        """Begin to lead; a corner that is already over is not planned."""
+        self._track.forget()
+        self.problem = ""
+        self._holding = False
+        if self._s.phase is not Phase.DECELERATING:
+            self._done_corner = self._s.corners_seen
+
+    def end(self) -> None:
+        """Stop leading."""
+        if self.active is not None:
+            self._done_corner = self.active.k
+        self.active = self.approach = self.speed_mps = None
+        self._holding = False
+
+    def believes(self, leg: LegEstimate) -> bool:
+        """Whether a leg is not older than the last stop."""
+        estimate = self._s.estimate
+        return estimate is None or self._s.went_on or leg.time_s >= estimate.stop_time_s
+
+    def set_clock_back(self) -> None:
+        """Forget the path being flown."""
+        self.active = self.approach = None
+        self._planned = None
+        self._retry_s = -math.inf
+        self._done_corner = self._s.corners_seen
+        self._track.forget()
+
+    # Decisions ---------------------------------------------------------------------------------
+
+    def update(self, now_s: float) -> Listed | None:
+        """Return the mode and the waypoints of a new list when one is due."""
+        self.problem = ""
+        if self.active is not None and not self.active.committed and self._s.went_on:
+            self._leave()
+        forecasts = self._s.forecasts(now_s)
+        if not forecasts:
+            self.problem = "helicopter's leg not known: the UAV stays on its list"
+            return None
+        self.slot = self._s.slot_of(forecasts[0].leg)
+        listed = self._corner_list(now_s, forecasts)
+        if listed is not None:
+            return listed
+        if self.active is not None and not self.active.committed:
+            self._commit_when_due(now_s)
+            return None
+        slow, fast = (limit * self._corner.speed_mps for limit in self._mission.speed_range)
+        if not slow <= forecasts[0].speed_mps <= fast:
+            return self._hold(
+                f"helicopter's speed {forecasts[0].speed_mps:.1f} m/s: "
+                f"expected {slow:.1f} to {fast:.1f}"
+            )
+        self._holding = False
+        if self.approach is not None:
+            return self._follow(now_s, forecasts)
+        return self._leg_list(now_s, forecasts)
+
+    def _uav_in(self, frame: CornerFrame, now_s: float) -> Pose:
+        """Return the UAV's pose now, in a frame."""
+        uav = self._s.uav
+        assert uav is not None
+        return frame.to_frame(uav.pose.offset(uav.speed_mps * (now_s - uav.time_s)))
+
+    def _hold(self, reason: str) -> Listed | None:
+        """Keep out of the way: the list ends ahead, where the bridge lets the UAV circle."""
+        self.problem = f"holding: {reason}"
+        if self._holding or self._s.uav is None:
+            return None
+        if self.active is not None:
+            self._done_corner = self.active.k
+        self.active = self.approach = None
+        self._holding = True
+        self._track.forget()
+        ahead = self._s.uav.pose.offset(self._mission.capture_m)
+        return str(Mode.HOLD), np.array([(ahead.x_m, ahead.y_m)])
+
+    # Corners -----------------------------------------------------------------------------------
+
+    def _corner_list(self, now_s: float, forecasts: tuple[Forecast, ...]) -> Listed | None:
+        """Plan the corner ahead, or plan it again as it is refined, until the UAV turns."""
+        estimate, k = self._s.estimate, self._s.corners_seen
+        if estimate is None or k == self._done_corner or self._s.went_on:
+            return None
+        again = self.active is not None and self.active.k == k
+        if again and self.active is not None and self.active.committed:
+            return None
+        if estimate is self._planned:
+            return None
+        self._planned = estimate
+        corner = self._corner
+        reason = unusable(estimate, corner.speed_mps, corner.accel_mps2, self._mission)
+        if reason:
+            self._done_corner = k
+            return self._hold(f"corner {k}: {reason}")
+        frame = CornerFrame(estimate.stop, self._mission.turn_side)
+        plan = self._rule_plan(estimate, frame, now_s)
+        if plan is None:
+            return self._corner_from_anywhere(estimate, frame, now_s, forecasts)
+        uav = self._s.uav
+        assert uav is not None
+        first_stop = self.active.first_stop if again and self.active else estimate.stop
+        self.active = ActiveCorner(k, estimate, frame, plan, first_stop, uav.speed_mps)
+        self._holding = False
+        self.speed_mps = estimate.speed_mps
+        slot = self._s.slot_frame(forecasts[0].leg)
+        path = self.active.path
+        self.approach = Approach(
+            slot,
+            slot.path_from_map(path),
+            estimate.onset_time_s,
+            estimate.speed_mps,
+            total_turn_rad(path),
+        )
+        self._commit_when_due(now_s)
+        return str(plan.rule), self._points(
+            path, self.active.flown_m(now_s) + self._mission.reaction_s * uav.speed_mps
+        )
+
+    def _points(self, path: FlightPath, from_m: float) -> FloatArray:
+        """Return the waypoints of a path in the map, and of the slot track beyond."""
+        points = path_waypoints(path, self._mission.arc_spacing_m, from_m=from_m)
+        beyond = path.end.offset(self._mission.horizon_m)
+        return np.vstack((points, (beyond.x_m, beyond.y_m)))
+
+    def _rule_plan(
+        self, estimate: CornerEstimate, frame: CornerFrame, now_s: float
+    ) -> CornerPlan | None:
+        """Return the rule's plan; None when the UAV is not on its slot track or no rule has one."""
+        uav = self._s.uav
+        assert uav is not None
+        pose = frame.to_frame(uav.pose)
+        across = pose.y_m + self._corner.spacing_m
+        if abs(across) > ON_TRACK_M or abs(pose.heading_rad) > ON_HEADING_RAD:
+            return None
+        parameters = replace(
+            self._corner, speed_mps=estimate.speed_mps, accel_mps2=estimate.accel_mps2
+        )
+        rules = DeadbeatRules(parameters)
+        at_onset = pose.x_m - uav.speed_mps * (uav.time_s - estimate.onset_time_s)
+        lag = -parameters.stopping_m - at_onset
+        passed = now_s - estimate.onset_time_s + self._mission.reaction_s
+        lead = uav.speed_mps * max(0.0, passed)
+        plan = None
+        for separation in self._separations_m():
+            try:
+                plan = rules.plan(
+                    lag, lead_m=lead, separation_m=separation, target_m=-self.bias.extra_m
+                )
+            except NoPathError:
+                continue
+            if abs(plan.next_lag_m + self.bias.extra_m) <= CONVERGED_M:
+                break
+        return plan
+
+    def _separations_m(self) -> tuple[float, float, float]:
+        """Return the separations to plan with, the most wanted one first."""
+        least, margin = self._corner.separation_m, self._mission.separation_margin_m
+        return least + margin, least + 0.5 * margin, least
+
+    def _corner_from_anywhere(
+        self,
+        estimate: CornerEstimate,
+        frame: CornerFrame,
+        now_s: float,
+        forecasts: tuple[Forecast, ...],
+    ) -> Listed | None:
+        """Go straight for the slot of the new leg, from wherever the UAV is."""
+        listed = self._rejoin(now_s, forecasts)
+        if listed is None or self.approach is None:
+            return None
+        k = self._s.corners_seen
+        uav = self._s.uav
+        assert uav is not None
+        pose = frame.to_frame(uav.pose)
+        parameters = replace(
+            self._corner, speed_mps=estimate.speed_mps, accel_mps2=estimate.accel_mps2
+        )
+        run = uav.speed_mps * (uav.time_s - estimate.onset_time_s)
+        lag = -parameters.stopping_m - (pose.x_m - run)
+        path = self.approach.path
+        in_map = self.approach.frame.path_to_map(path)
+        plan = CornerPlan(
+            Rule.RJ,
+            lag,
+            final_lag_m(
+                path,
+                forecasts[0].in_frame(self.approach.frame),
+                start_s=self.approach.begun_s,
+                speed_mps=self.approach.speed_mps,
+            ),
+            frame.path_from_map(in_map),
+            parameters,
+        )
+        first_stop = estimate.stop
+        if self.active is not None and self.active.k == k:
+            first_stop = self.active.first_stop
+        self.active = ActiveCorner(
+            k, estimate, frame, plan, first_stop, uav.speed_mps, committed=True
+        )
+        return str(Rule.RJ), listed[1]
+
+    def _commit_when_due(self, now_s: float) -> None:
+        """Commit to the corner's path when the UAV is about to turn."""
+        active = self.active
+        assert active is not None
+        margin = self._mission.reaction_s * active.uav_speed_mps
+        overtaken = self._s.corners_seen > active.k
+        if overtaken or active.plan.turn_start_m - active.flown_m(now_s) < margin + 1e-6:
+            self.active = replace(active, committed=True)
+            self.bias.begin()
+
+    def _leave(self) -> None:
+        """Leave a path that is flown, or no longer wanted."""
+        if self.active is not None:
+            self._done_corner = self.active.k
+            if self.active.committed:
+                self.bias.learn()
+        self.active = self.approach = None
+        self._track.forget()
+
+    # Approaches --------------------------------------------------------------------------------
+
+    def _follow(self, now_s: float, forecasts: tuple[Forecast, ...]) -> Listed | None:
+        """Watch the path being flown; solve again what is left of it when it no longer fits."""
+        approach = self.approach
+        assert approach is not None
+        here = self._uav_in(approach.frame, now_s)
+        flown = approach.flown_m(here, now_s)
+        self.bias.watch(now_s, flown, approach.speed_mps)
+        late_m = approach.speed_mps * (now_s - approach.begun_s) - approach.path.length_m
+        done = flown >= approach.path.length_m - 1.0
+        rest = approach.path.cut(min(flown, approach.path.length_m))
+        settled = done or total_turn_rad(rest) < SETTLED_RAD
+        if (settled and self._on_slot(now_s, forecasts[0])) or late_m > 300.0:
+            self._leave()
+            return self._leg_list(now_s, forecasts)
+        if done or now_s < self._retry_s:
+            return None
+        frame = self._s.slot_frame(forecasts[0].leg)
+        moved = _misses(approach, frame)
+        there = approach.path.pose_at(flown)
+        off_m = math.hypot(here.x_m - there.x_m, here.y_m - there.y_m)
+        expected = tuple(forecast.in_frame(approach.frame) for forecast in forecasts)
+        extra = self.bias.extra_m * approach.turn_left(flown)
+        if self.active is None:
+            approach = self._timed(approach, rest, expected[0], now_s)
+        speed = approach.speed_mps
+        lag = extra + final_lag_m(rest, expected[0], start_s=now_s, speed_mps=speed)
+        tolerance = self._mission.lag_tolerance_m if self.active is not None else TIMING_M
+        fits = abs(lag) < tolerance and not moved and off_m < OFF_PATH_M
+        margin = MARGIN_SHARE * self._mission.separation_margin_m
+        apart_m = self._apart_m(rest, expected, now_s, speed)
+        if fits and apart_m >= self._corner.separation_m + margin:
+            return None
+        return self._correct(now_s, forecasts, frame, flown, off_m)
+
+    def _apart_m(
+        self, rest: FlightPath, forecasts: tuple[Forecast, ...], now_s: float, speed: float
+    ) -> float:
+        return min(
+            closest_over_time(rest, forecast, start_s=now_s, speed_mps=speed).distance_m
+            for forecast in forecasts
+        )
+
+    def _timed(
+        self, approach: Approach, rest: FlightPath, forecast: Forecast, now_s: float
+    ) -> Approach:
+        """Set the speed with which a rejoining UAV arrives together with its slot."""
+        v, trim = forecast.speed_mps, self._mission.speed_trim
+        left_s = forecast.zero_s - now_s + (rest.end.x_m - forecast.leg.x_m) / v
+        wanted = rest.length_m / left_s if left_s > 1.0 else math.inf
+        speed = min(max(wanted, v * (1.0 - trim)), v * (1.0 + trim))
+        begun = now_s - (approach.path.length_m - rest.length_m) / speed
+        self.speed_mps = speed
+        self.approach = replace(approach, speed_mps=speed, begun_s=begun)
+        return self.approach
+
+    def _correct(
+        self,
+        now_s: float,
+        forecasts: tuple[Forecast, ...],
+        frame: CornerFrame,
+        flown_m: float,
+        off_m: float,
+    ) -> Listed | None:
+        """Solve what is left from where the UAV will be when the new list is flown."""
+        approach = self.approach
+        assert approach is not None
+        old = approach.path
+        from_m = min(flown_m + approach.speed_mps * self._mission.reaction_s, old.length_m)
+        kept = old.cut(min(flown_m, old.length_m), from_m)
+        begin = old.pose_at(from_m)
+        if off_m >= OFF_PATH_M:
+            here = self._uav_in(approach.frame, now_s)
+            there = old.pose_at(flown_m)
+            begin = Pose(
+                begin.x_m + here.x_m - there.x_m,
+                begin.y_m + here.y_m - there.y_m,
+                begin.heading_rad,
+            )
+            kept = FlightPath(begin, ())
+        in_map = approach.frame.pose_to_map(begin)
+        start = frame.to_frame(in_map)
+        speed = forecasts[0].speed_mps
+        search = Recapture(
+            start,
+            now_s + self._mission.reaction_s,
+            tuple(forecast.in_frame(frame) for forecast in forecasts),
+            self._corner.turn_radius_m,
+            speed,
+            self._corner.separation_m,
+            old.length_m - from_m + LONGER_SPACINGS * self._corner.spacing_m,
+            -self.bias.extra_m * approach.turn_left(flown_m),
+        )
+        row = row_of(old.cut(from_m))
+        path = search.best(row, self._separations_m())
+        if path is None:
+            return self._widest(search, now_s, forecasts, frame)
+        before = frame.path_from_map(approach.frame.path_to_map(kept))
+        whole = before.then(path)
+        self.corrections += 1
+        self._retry_s = now_s + 1.0
+        self.approach = Approach(
+            frame,
+            whole,
+            now_s if kept.segments else now_s + self._mission.reaction_s,
+            speed,
+            approach.turn_rad,
+        )
+        self.speed_mps = speed
+        self.bias.moved()
+        name = str(self.active.plan.rule) if self.active is not None else str(Mode.REJOIN)
+        return name, self._points(frame.path_to_map(whole), 0.0)
+
+    def _widest(
+        self,
+        search: Recapture,
+        now_s: float,
+        forecasts: tuple[Forecast, ...],
+        frame: CornerFrame,
+    ) -> Listed | None:
+        """No path that meets the slot in time keeps the separation: get back, or stay away."""
+        approach = self.approach
+        assert approach is not None
+        self._retry_s = now_s + RETRY_S
+        expected = tuple(forecast.in_frame(approach.frame) for forecast in forecasts)
+        here = self._uav_in(approach.frame, now_s)
+        rest = approach.path.cut(min(approach.flown_m(here, now_s), approach.path.length_m))
+        kept_m = self._apart_m(rest, expected, now_s, approach.speed_mps)
+        if kept_m >= self._corner.separation_m:
+            return None
+        plan = self._rejoin_plan(now_s, forecasts)
+        if plan is not None and plan.kept:
+            return self._take_rejoin(plan, now_s, frame)
+        widest = search.widest()
+        nearest = kept_m
+        listed = None
+        if widest is not None and widest[1] > kept_m + WIDER_M:
+            nearest = widest[1]
+            self.approach = Approach(
+                frame, widest[0], search.start_s, search.speed_mps, total_turn_rad(widest[0])
+            )
+            listed = str(Mode.REJOIN), self._points(frame.path_to_map(widest[0]), 0.0)
+        self.problem = f"no safe path: comes within {nearest:.0f} m of the helicopter"
+        return listed
+
+    def _rejoin(self, now_s: float, forecasts: tuple[Forecast, ...]) -> Listed | None:
+        """Lead the UAV from anywhere onto the slot, at a speed of its own."""
+        self._retry_s = now_s + RETRY_S
+        plan = self._rejoin_plan(now_s, forecasts)
+        if plan is None:
+            self.problem = "no path back to the slot"
+            return None
+        if not plan.kept:
+            self.problem = f"rejoining comes within {plan.closest_m:.0f} m of the helicopter"
+        return self._take_rejoin(plan, now_s, self._s.slot_frame(forecasts[0].leg))
+
+    def _rejoin_plan(self, now_s: float, forecasts: tuple[Forecast, ...]) -> RejoinPlan | None:
+        frame = self._s.slot_frame(forecasts[0].leg)
+        start_s = now_s + self._mission.reaction_s
+        v, trim = forecasts[0].speed_mps, self._mission.speed_trim
+        task = RejoinTask(
+            self._uav_in(frame, start_s),
+            start_s,
+            tuple(forecast.in_frame(frame) for forecast in forecasts),
+            self._corner.turn_radius_m,
+            v * (1.0 - trim),
+            v * (1.0 + trim),
+            self._corner.separation_m,
+        )
+        return rejoin(task)
+
+    def _take_rejoin(self, plan: RejoinPlan, now_s: float, frame: CornerFrame) -> Listed:
+        start_s = now_s + self._mission.reaction_s
+        self.approach = Approach(
+            frame, plan.path, start_s, plan.speed_mps, total_turn_rad(plan.path)
+        )
+        self.speed_mps = plan.speed_mps
+        self._track.forget()
+        self.bias.cancel()
+        return str(Mode.REJOIN), self._points(frame.path_to_map(plan.path), 0.0)
+
+    # Legs --------------------------------------------------------------------------------------
+
+    def _on_slot(self, now_s: float, forecast: Forecast) -> bool:
+        pose = self._uav_in(self._s.slot_frame(forecast.leg), now_s)
+        return abs(pose.y_m) < ON_TRACK_M and abs(pose.heading_rad) < ON_HEADING_RAD
+
+    def _leg_list(self, now_s: float, forecasts: tuple[Forecast, ...]) -> Listed | None:
+        """Lead the UAV along its slot track and trim its speed, or back to it."""
+        forecast = forecasts[0]
+        frame = self._s.slot_frame(forecast.leg)
+        pose = self._uav_in(frame, now_s)
+        lag = frame.to_frame(forecast.leg).x_m + forecast.along_m(now_s) - pose.x_m
+        on_slot = self._on_slot(now_s, forecast)
+        if (not on_slot or lag < -self._mission.ahead_m) and now_s >= self._retry_s:
+            return self._rejoin(now_s, forecasts)
+        if not on_slot:
+            return None
+        self.speed_mps = trimmed_mps(
+            lag, forecast.speed_mps, gain=self._mission.trim_gain, trim=self._mission.speed_trim
+        )
+        assert self._s.uav is not None
+        assert self.slot is not None
+        points = self._track.points(self.slot, self._s.uav)
+        return None if points is None else (str(Mode.LEG), points)
+
+
+def _misses(approach: Approach, frame: CornerFrame) -> bool:
+    """Whether the path's end is beside, or across, the slot track as it is known now."""
+    end = frame.to_frame(approach.frame.pose_to_map(approach.path.end))
+    return abs(end.y_m) > FRAME_SHIFT_M or abs(end.heading_rad) > FRAME_TURN_RAD

@@ -1,0 +1,111 @@
+"""The helicopter's motion to come: stretches of constant acceleration, then cruise for ever."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sar_estimator.plane import Pose
+from sar_planner.geometry import CornerFrame, FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """From ``time_s`` on, constant acceleration along the heading of ``start``."""
+
+    time_s: float
+    start: Pose
+    speed_mps: float
+    accel_mps2: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Forecast:
+    """Where the helicopter will be, and the leg it will be on in the end.
+
+    ``stretches``: in order of time; before the first it is taken to have cruised along it.
+    ``leg``: a pose on the last leg's line. ``zero_s``: the time at which the helicopter, were its
+    last cruise extended backwards, would pass that pose; ``speed_mps``: its speed V on that leg.
+    """
+
+    stretches: tuple[Stretch, ...]
+    leg: Pose
+    zero_s: float
+    speed_mps: float
+
+    def positions(self, times_s: FloatArray | Sequence[float]) -> FloatArray:
+        """Return the helicopter's positions, shape (n, 2) [m], at ``times_s``."""
+        times = np.asarray(times_s, dtype=np.float64)
+        begins = np.array([stretch.time_s for stretch in self.stretches])
+        index = np.maximum(np.searchsorted(begins, times, side="right") - 1, 0)
+        out = np.empty((times.size, 2))
+        for i, stretch in enumerate(self.stretches):
+            chosen = index == i
+            if not chosen.any():
+                continue
+            duration = times[chosen] - stretch.time_s
+            accel_of = np.where(duration > 0.0, stretch.accel_mps2, 0.0)
+            run = stretch.speed_mps * duration + 0.5 * accel_of * duration**2
+            heading = stretch.start.heading_rad
+            out[chosen, 0] = stretch.start.x_m + math.cos(heading) * run
+            out[chosen, 1] = stretch.start.y_m + math.sin(heading) * run
+        return out
+
+    def in_frame(self, frame: CornerFrame) -> Forecast:
+        """Return the same motion in the coordinates of a frame."""
+        moved = tuple(
+            replace(stretch, start=frame.to_frame(stretch.start)) for stretch in self.stretches
+        )
+        return replace(self, stretches=moved, leg=frame.to_frame(self.leg))
+
+    def along_m(self, time_s: float) -> float:
+        """Return how far along the leg, from ``leg``, the slot is at ``time_s`` [m]."""
+        return self.speed_mps * (time_s - self.zero_s)
+
+    @property
+    def steady_s(self) -> float:
+        """The time from which on the helicopter cruises along its last leg [s]."""
+        return self.stretches[-1].time_s
+
+
+def cruising(time_s: float, helicopter: Pose, speed_mps: float) -> Forecast:
+    """Return the forecast of a helicopter that goes on along its leg."""
+    return Forecast((Stretch(time_s, helicopter, speed_mps),), helicopter, time_s, speed_mps)
+
+
+def departing(
+    time_s: float, helicopter: Pose, now_mps: float, *, speed_mps: float, accel_mps2: float
+) -> Forecast:
+    """Return the forecast of a helicopter that speeds up from ``now_mps`` along its leg."""
+    ramp_s = max(0.0, speed_mps - now_mps) / accel_mps2
+    first = Stretch(time_s, helicopter, now_mps, accel_mps2)
+    run = now_mps * ramp_s + 0.5 * accel_mps2 * ramp_s**2
+    cruise = Stretch(time_s + ramp_s, helicopter.offset(run), speed_mps)
+    zero = time_s + ramp_s - run / speed_mps
+    return Forecast((first, cruise), helicopter, zero, speed_mps)
+
+
+def cornering(
+    onset_s: float,
+    stop: Pose,
+    *,
+    speed_mps: float,
+    accel_mps2: float,
+    turn_rad: float = -math.pi / 2.0,
+    hover_s: float = 0.0,
+) -> Forecast:
+    """Return the forecast of a corner: slow with a, stand at ``stop``, turn, speed up with a.
+
+    ``stop`` carries the incoming heading. With no hover 3 V^2 / 2a of cruise are lost in all, as
+    in the paper's T_h = 3V/2a + Y/V.
+    """
+    stop_s = onset_s + speed_mps / accel_mps2
+    stopping = speed_mps**2 / (2.0 * accel_mps2)
+    slowing = Stretch(onset_s, stop.offset(-stopping), speed_mps, -accel_mps2)
+    out = Pose(stop.x_m, stop.y_m, stop.heading_rad + turn_rad)
+    then = departing(stop_s + hover_s, out, 0.0, speed_mps=speed_mps, accel_mps2=accel_mps2)
+    standing = (Stretch(stop_s, out, 0.0),) if hover_s > 0.0 else ()
+    return Forecast((slowing, *standing, *then.stretches), out, then.zero_s, speed_mps)

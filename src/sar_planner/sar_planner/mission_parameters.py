@@ -1,0 +1,123 @@
+"""How the planner flies, beside the corner's own parameters; its modes; the corner in flight."""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass
+
+from sar_estimator.plane import Pose
+from sar_estimator.states import CornerEstimate
+from sar_planner.geometry import CornerFrame, FlightPath
+from sar_planner.parameters import ParameterError
+from sar_planner.rules import CornerPlan
+
+
+@dataclass(frozen=True, slots=True)
+class MissionParameters:
+    """How the planner flies (metres and seconds).
+
+    turn_side: 1 for right-turn patterns, -1 for left. rules: rule set. arc_spacing_m: between
+    waypoints on arcs, 0 for arc ends only. reaction_s: from a decision to the autopilot flying the
+    new list. horizon_m: how far ahead of the UAV the list reaches. slot_tolerance_m: shift of the
+    slot track that is worth a new list. capture_m: from the UAV to the first waypoint of a slot
+    track. stale_s: age at which a position is no longer planned with. speed_range: speeds of the
+    helicopter, relative to V, that the rules are used for; accel_range: decelerations likewise.
+    speed_trim: share of V by which the UAV may be asked to fly faster or slower (deadbeat rules).
+    trim_gain: speed asked for per metre of lag [1/s]. lag_tolerance_m: predicted lag at the end of
+    a path that is worth a correction. ahead_m: how far ahead of its slot the UAV may be on a leg
+    before it is led back to it. separation_margin_m: planned beyond the least separation where
+    that costs nothing. bias_gain: share of the newest corner's extra path in what is expected of
+    the next.
+    """
+
+    turn_side: int = 1
+    rules: str = "deadbeat"
+    arc_spacing_m: float = 20.0
+    reaction_s: float = 2.0
+    horizon_m: float = 4000.0
+    slot_tolerance_m: float = 4.0
+    capture_m: float = 150.0
+    stale_s: float = 5.0
+    speed_range: tuple[float, float] = (0.75, 1.25)
+    accel_range: tuple[float, float] = (0.6, 2.0)
+    speed_trim: float = 0.1
+    trim_gain: float = 0.1
+    lag_tolerance_m: float = 8.0
+    ahead_m: float = 60.0
+    separation_margin_m: float = 30.0
+    bias_gain: float = 0.5
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds, naming them."""
+        if self.turn_side not in (1, -1):
+            raise ParameterError(f"turn_side = {self.turn_side}: expected 1 (right) or -1 (left)")
+        for name in ("arc_spacing_m", "reaction_s", "trim_gain", "separation_margin_m"):
+            if not 0.0 <= getattr(self, name) < math.inf:
+                raise ParameterError(f"{name} = {getattr(self, name)}: expected 0 or more")
+        for name in (
+            "horizon_m",
+            "slot_tolerance_m",
+            "capture_m",
+            "stale_s",
+            "lag_tolerance_m",
+            "ahead_m",
+        ):
+            if not 0.0 < getattr(self, name) < math.inf:
+                raise ParameterError(f"{name} = {getattr(self, name)}: expected more than 0")
+        if not 0.0 < self.speed_trim < 0.5:
+            raise ParameterError(f"speed_trim = {self.speed_trim}: expected more than 0, under 0.5")
+        if not 0.0 <= self.bias_gain <= 1.0:
+            raise ParameterError(f"bias_gain = {self.bias_gain}: expected 0 to 1")
+        for name in ("speed_range", "accel_range"):
+            limits = getattr(self, name)
+            if len(limits) != 2 or not 0.0 < limits[0] <= limits[1]:
+                raise ParameterError(f"{name} = {limits}: expected two numbers, 0 < low <= high")
+
+
+class Mode(enum.StrEnum):
+    """What the UAV is being led along."""
+
+    IDLE = "idle"
+    LEG = "leg"
+    CORNER = "corner"
+    REJOIN = "rejoin"
+    HOLD = "hold"
+
+
+@dataclass(frozen=True)
+class ActiveCorner:
+    """The corner being flown: ``k`` from 1, the estimate it was planned from, and the plan."""
+
+    k: int
+    estimate: CornerEstimate
+    frame: CornerFrame
+    plan: CornerPlan
+    first_stop: Pose
+    uav_speed_mps: float
+    committed: bool = False
+
+    @property
+    def path(self) -> FlightPath:
+        """The planned path in the map."""
+        return self.frame.path_to_map(self.plan.path)
+
+    def flown_m(self, time_s: float) -> float:
+        """Distance along the path at ``time_s``, flown since the onset [m]."""
+        return self.uav_speed_mps * (time_s - self.estimate.onset_time_s)
+
+
+def unusable(
+    estimate: CornerEstimate, speed_mps: float, accel_mps2: float, m: MissionParameters
+) -> str:
+    """Return why the rules are not used for such a corner, empty when they are."""
+    for name, value, nominal, limits in (
+        ("speed", estimate.speed_mps, speed_mps, m.speed_range),
+        ("deceleration", estimate.accel_mps2, accel_mps2, m.accel_range),
+    ):
+        if not limits[0] * nominal <= value <= limits[1] * nominal:
+            return (
+                f"helicopter's {name} {value:.2f}: the rules expect "
+                f"{limits[0] * nominal:.2f} ... {limits[1] * nominal:.2f}"
+            )
+    return ""

@@ -1,0 +1,261 @@
+"""From any pose onto the moving slot: timed, flyable, apart from the helicopter, and soon.
+
+Everything is in the slot's frame: x along the leg, the slot track on y = 0, the helicopter's leg on
+y = d. Two kinds of paths are searched. *Timed words*: for every arrival time the Dubins words to
+where the slot will be then, flown at the constant speed that arrives in time, where that is within
+the UAV's limits. *Captures* (``captures``): two or three headings on a grid, the straights solved
+for arriving on the slot at the fastest or the slowest speed. Words are the quickest where nothing
+is in the way; captures lead around the helicopter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from sar_estimator.plane import Pose
+from sar_planner.captures import CaptureProblem, PathBatch
+from sar_planner.dubins import lengths_m, words
+from sar_planner.forecast import Forecast
+from sar_planner.geometry import FlightPath, FloatArray
+from sar_planner.separation import least_distances_m, sampling_slack_m
+
+STEP_S = 0.5
+QUICK = 24
+QUICK_SHARE = 1.1
+CHUNK = 64
+FARTHEST = 800
+SLACK_S = 60.0
+REFINEMENTS = 5
+REFINED_SHARE = 1.25
+REFINED_RAD = math.radians(6.0)
+REFINED_GRID = 7
+HEADINGS_DEG: tuple[float, ...] = (
+    *(0, 2.5, 5, 7.5, 10, 13, 16, 20, 24, 28, 32, 36, 40, 45, 50, 55, 60, 66, 72, 80),
+    *(90, 105, 120, 135, 150, 165),
+)
+HEADINGS_RAD = np.radians(np.array([*HEADINGS_DEG, *(-angle for angle in HEADINGS_DEG[1:]), 180.0]))
+LAST_TURNS_RAD = tuple(math.radians(angle) for angle in (0.0, -25.0, -50.0, -80.0, 25.0, 50.0))
+SIDES = (1, -1)
+
+
+@dataclass(frozen=True, slots=True)
+class RejoinTask:
+    """What is to be flown: from ``start`` at ``start_s`` onto the slot.
+
+    ``forecasts``: the first is what is expected and has the slot, all are kept apart from.
+    ``slowest_mps``, ``fastest_mps``: the UAV's ground speeds. ``separation_m``: least distance.
+    """
+
+    start: Pose
+    start_s: float
+    forecasts: tuple[Forecast, ...]
+    turn_radius_m: float
+    slowest_mps: float
+    fastest_mps: float
+    separation_m: float
+
+    @property
+    def forecast(self) -> Forecast:
+        """What is expected of the helicopter."""
+        return self.forecasts[0]
+
+    @property
+    def ahead_m(self) -> float:
+        """How far ahead of its slot the UAV is now, along the leg [m]."""
+        return self.start.x_m - self.forecast.leg.x_m - self.forecast.along_m(self.start_s)
+
+
+@dataclass(frozen=True)
+class RejoinPlan:
+    """The path, in the slot's frame, its constant speed [m/s] and its duration [s].
+
+    ``closest_m``: the least distance to the helicopter. ``kept``: whether that is no less than
+    asked for; where no path keeps it, the one that stays the farthest is given.
+    """
+
+    path: FlightPath
+    speed_mps: float
+    duration_s: float
+    closest_m: float
+    kept: bool
+
+
+@dataclass(frozen=True)
+class _Found:
+    """Paths, their speeds [m/s], shape (n,), and durations [s], shape (n,)."""
+
+    rows: FloatArray
+    speeds: FloatArray
+
+    def durations_s(self, radius_m: float) -> FloatArray:
+        return lengths_m(self.rows, radius_m) / self.speeds
+
+
+def _latest_s(task: RejoinTask) -> float:
+    """Return a time by which the slot can have been reached from anywhere near."""
+    v = task.forecast.speed_mps
+    gain = min(task.fastest_mps - v, v - task.slowest_mps)
+    far = math.hypot(task.ahead_m, task.start.y_m) + 12.0 * task.turn_radius_m
+    return far / max(gain, 0.02 * v) + SLACK_S
+
+
+def timed_words(task: RejoinTask) -> tuple[FloatArray, FloatArray]:
+    """Return the Dubins words that meet the slot: rows, shape (n, 7), and speeds, shape (n,).
+
+    In order of arrival, one set for every ``STEP_S``.
+    """
+    times = np.arange(STEP_S, _latest_s(task), STEP_S)
+    slot = task.forecast.leg.x_m + np.array(
+        [task.forecast.along_m(task.start_s + time) for time in times]
+    )
+    targets = np.column_stack((slot, np.zeros_like(slot), np.zeros_like(slot)))
+    rows = words(task.start, targets, task.turn_radius_m)
+    speeds = lengths_m(rows, task.turn_radius_m) / times[None, :]
+    fits = (speeds >= task.slowest_mps - 1e-9) & (speeds <= task.fastest_mps + 1e-9)
+    when, word = np.nonzero(fits.T)
+    return rows[word, when], speeds[word, when]
+
+
+def unhindered_s(task: RejoinTask) -> float:
+    """Return the least time [s] in which any path of this radius meets the slot, helicopter aside.
+
+    Until some Dubins word meets the slot at a speed within the limits, the slot has not come into
+    what can be reached: the boundary of the poses that paths of exactly some length reach is made
+    of these words. Rounded down to the grid of ``STEP_S``; infinite when it is never met.
+    """
+    rows, speeds = timed_words(task)
+    if len(rows) == 0:
+        return math.inf
+    return float(lengths_m(rows[:1], task.turn_radius_m)[0] / speeds[0]) - STEP_S
+
+
+class _Search:
+    """The search for one task."""
+
+    def __init__(self, task: RejoinTask) -> None:
+        self.task = task
+        slack = sampling_slack_m(task.separation_m, task.turn_radius_m)
+        self.needed_m = task.separation_m + slack
+        self.slack_m = slack
+
+    def distances_m(self, found: _Found) -> FloatArray:
+        batch = PathBatch(self.task.start, self.task.turn_radius_m, found.rows)
+        least = np.full(len(batch), math.inf)
+        for forecast in self.task.forecasts:
+            sampled = least_distances_m(
+                batch, forecast, start_s=self.task.start_s, speeds_mps=found.speeds
+            )
+            least = np.minimum(least, sampled)
+        return least
+
+    def first_kept(self, found: _Found, *, before_s: float = math.inf) -> int | None:
+        """Return the soonest path that keeps the separation, arriving before ``before_s``."""
+        durations = found.durations_s(self.task.turn_radius_m)
+        order = np.argsort(durations, kind="stable")
+        order = order[durations[order] < before_s]
+        for begin in range(0, len(order), CHUNK):
+            chosen = order[begin : begin + CHUNK]
+            part = _Found(found.rows[chosen], found.speeds[chosen])
+            kept = np.flatnonzero(self.distances_m(part) >= self.needed_m)
+            if kept.size:
+                return int(chosen[kept[0]])
+        return None
+
+    def families(self) -> Iterator[tuple[CaptureProblem, tuple[int, int, int]]]:
+        """Yield every kind of capture: speed, last turn, and the sides of the other turns."""
+        task = self.task
+        for speed in (task.fastest_mps, task.slowest_mps):
+            for last in LAST_TURNS_RAD:
+                problem = CaptureProblem(
+                    task.start, task.turn_radius_m, task.forecast.speed_mps / speed, last
+                )
+                for first in SIDES:
+                    for second in SIDES:
+                        for third in SIDES:
+                            yield problem, (first, second, third)
+
+    def captures(
+        self,
+        problem: CaptureProblem,
+        sides: tuple[int, int, int],
+        headings_1: FloatArray,
+        headings_2: FloatArray,
+    ) -> _Found:
+        """Return the captures over a grid of two headings [rad], each of shape (n,)."""
+        h1, h2 = (grid.ravel() for grid in np.meshgrid(headings_1, headings_2, indexing="ij"))
+        first, second, third = sides
+        turn_1 = first * np.mod(first * (h1 - problem.start.heading_rad), 2.0 * math.pi)
+        turn_2 = second * np.mod(second * (h2 - h1), 2.0 * math.pi)
+        batch = problem.solve(turn_1, turn_2, third, self.task.ahead_m)
+        speed = self.task.forecast.speed_mps / problem.slow_factor
+        return _Found(batch.rows, np.full(len(batch), speed))
+
+    def refine(
+        self, problem: CaptureProblem, sides: tuple[int, int, int], row: FloatArray, time_s: float
+    ) -> tuple[FloatArray, float]:
+        """Search ever finer about a capture's two headings for a sooner one."""
+        spread = REFINED_RAD
+        for _ in range(REFINEMENTS):
+            heading_1 = problem.start.heading_rad + row[1]
+            steps = np.linspace(-spread, spread, REFINED_GRID)
+            found = self.captures(problem, sides, heading_1 + steps, heading_1 + row[3] + steps)
+            better = self.first_kept(found, before_s=time_s)
+            if better is not None:
+                row = found.rows[better]
+                time_s = float(found.durations_s(self.task.turn_radius_m)[better])
+            spread *= 0.5
+        return row, time_s
+
+    def plan(self, rows: FloatArray, speed: float, *, kept: bool = True) -> RejoinPlan:
+        found = _Found(rows[None, :], np.array([speed]))
+        path = PathBatch(self.task.start, self.task.turn_radius_m, found.rows).path(0)
+        closest = float(self.distances_m(found)[0]) - self.slack_m
+        return RejoinPlan(path, speed, path.length_m / speed, closest, kept)
+
+
+def rejoin(task: RejoinTask) -> RejoinPlan | None:
+    """Return the soonest path found onto the slot, or None where no path meets it at all."""
+    search = _Search(task)
+    word_rows, word_speeds = timed_words(task)
+    found = _Found(word_rows, word_speeds)
+    if len(word_rows):
+        soonest = float(found.durations_s(task.turn_radius_m)[0])
+        quick = _Found(word_rows[:QUICK], word_speeds[:QUICK])
+        index = search.first_kept(quick, before_s=QUICK_SHARE * soonest + STEP_S)
+        if index is not None:
+            return search.plan(quick.rows[index], float(quick.speeds[index]))
+    kinds = list(search.families())
+    captured = [search.captures(*kind, HEADINGS_RAD, HEADINGS_RAD) for kind in kinds]
+    everything = _Found(
+        np.vstack([found.rows, *(part.rows for part in captured)]),
+        np.concatenate([found.speeds, *(part.speeds for part in captured)]),
+    )
+    index = search.first_kept(everything)
+    if index is None:
+        return _farthest(search, everything)
+    best_row, best_speed = everything.rows[index], float(everything.speeds[index])
+    best_s = first_s = float(lengths_m(best_row, task.turn_radius_m)) / best_speed
+    for kind, part in zip(kinds, captured, strict=True):
+        at = search.first_kept(part, before_s=REFINED_SHARE * first_s)
+        if at is None:
+            continue
+        begun_s = float(part.durations_s(task.turn_radius_m)[at])
+        row, time_s = search.refine(*kind, part.rows[at], begun_s)
+        if time_s < best_s:
+            best_row, best_speed, best_s = row, float(part.speeds[at]), time_s
+    return search.plan(best_row, best_speed)
+
+
+def _farthest(search: _Search, found: _Found) -> RejoinPlan | None:
+    """Return the path that stays the farthest from the helicopter."""
+    if len(found.rows) == 0:
+        return None
+    order = np.argsort(found.durations_s(search.task.turn_radius_m), kind="stable")
+    order = order[np.linspace(0, len(order) - 1, min(len(order), FARTHEST)).astype(int)]
+    part = _Found(found.rows[order], found.speeds[order])
+    best = int(np.argmax(search.distances_m(part)))
+    return search.plan(part.rows[best], float(part.speeds[best]), kept=False)

@@ -1,0 +1,229 @@
+"""What the planner has been told of the two aircraft, and the helicopter's motion to come."""
+
+from __future__ import annotations
+
+import math
+
+from sar_estimator.plane import Pose, wrap_angle
+from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
+from sar_planner.forecast import Forecast, Stretch, cornering, cruising, departing
+from sar_planner.geometry import CornerFrame
+from sar_planner.parameters import CornerParameters
+
+CLOCK_STEP_S = 1.0
+STANDING_S = 600.0
+SURE_BEARING_M = 25.0
+TURNED_OTHERWISE_RAD = math.radians(20.0)
+MOVING_MPS = 3.0
+EXPECTED_SPEED_SIGMA_MPS = 0.7
+EXPECTED_HEADING_SIGMA_RAD = math.radians(2.0)
+EXPECTED_LINE_SIGMA_M = 4.0
+CONTRADICTION = 3.0
+UNSEEN_S = 3.0
+
+
+def _weighed(value: float, sigma: float, expected: float, expected_sigma: float) -> float:
+    """Return the inverse-variance mean of a measurement and of what was expected."""
+    weight = expected_sigma**2 / (expected_sigma**2 + sigma**2)
+    return expected + weight * (value - expected)
+
+
+class Situation:
+    """The newest of everything: motions, phase, leg, corner.
+
+    ``corners_seen`` counts the corners told of. ``went_on``: the helicopter had slowed and sped up
+    again without having stopped. ``slot``: the slot track of the leg flown last.
+    """
+
+    def __init__(self, corner: CornerParameters, turn_side: int) -> None:
+        """Know nothing yet."""
+        self._corner = corner
+        self._side = turn_side
+        self.helicopter: Motion | None = None
+        self.uav: Motion | None = None
+        self.phase = Phase.LOST
+        self.leg: LegEstimate | None = None
+        self.estimate: CornerEstimate | None = None
+        self.corners_seen = 0
+        self.went_on = False
+
+    # Events ------------------------------------------------------------------------------------
+
+    def set_helicopter(self, motion: Motion) -> None:
+        """Take the helicopter's newest motion."""
+        if motion.is_finite():
+            self.helicopter = motion
+
+    def set_uav(self, motion: Motion) -> None:
+        """Take the UAV's newest motion."""
+        if motion.is_finite():
+            self.uav = motion
+
+    def set_leg(self, leg: LegEstimate) -> None:
+        """Take the leg being flown."""
+        if math.isfinite(leg.foot.x_m + leg.foot.y_m + leg.foot.heading_rad):
+            self.leg = leg
+
+    def set_phase(self, phase: Phase) -> None:
+        """Take the helicopter's phase."""
+        if self.phase is Phase.DECELERATING and phase in (Phase.CRUISE, Phase.ACCELERATING):
+            self.went_on = True
+        self.phase = phase
+
+    def set_corner(self, estimate: CornerEstimate) -> bool:
+        """Take a prediction, or a refinement, of the corner ahead; return whether it is new."""
+        known = self.estimate
+        new = known is None or estimate.time_s < known.time_s - CLOCK_STEP_S
+        if known is not None and estimate.onset_time_s > max(known.stop_time_s, known.time_s):
+            new = True
+        if new:
+            self.corners_seen += 1
+            self.went_on = False
+        self.estimate = estimate
+        return new
+
+    def set_clock_back(self) -> None:
+        """Forget what belongs to a time that has not come yet."""
+        self.estimate = self.helicopter = self.uav = self.leg = None
+
+    # Derived -----------------------------------------------------------------------------------
+
+    def slot_of(self, leg: Pose) -> Pose:
+        """Return the slot track beside a leg: d to its inside."""
+        return leg.offset(0.0, -self._side * self._corner.spacing_m)
+
+    def slot_frame(self, leg: Pose) -> CornerFrame:
+        """Return the frame of the slot track beside a leg, the helicopter on y = d."""
+        return CornerFrame(self.slot_of(leg), self._side)
+
+    @property
+    def slot(self) -> Pose | None:
+        """The slot track of the newest leg, abeam the helicopter's foot on it."""
+        return None if self.leg is None else self.slot_of(self.leg.foot)
+
+    def separation_m(self) -> float | None:
+        """Return the horizontal distance between the aircraft [m]."""
+        if self.uav is None or self.helicopter is None:
+            return None
+        return math.hypot(self.uav.x_m - self.helicopter.x_m, self.uav.y_m - self.helicopter.y_m)
+
+    def forecasts(self, now_s: float) -> tuple[Forecast, ...]:
+        """Return the motion to come, and others that must be kept apart from too; or nothing.
+
+        On a leg it goes on. Slowing, it will turn by a right angle to the pattern's side. Standing,
+        it has departed as recently as would not be seen yet, or stands on. Speeding up, it goes
+        where it is going. Nothing where the leg is not known.
+        """
+        if self.helicopter is None or self.phase is Phase.LOST:
+            return ()
+        handler = {
+            Phase.CRUISE: self._cruise,
+            Phase.DECELERATING: self._decelerating,
+            Phase.STOPPED: self._stopped,
+            Phase.ACCELERATING: self._accelerating,
+        }[self.phase]
+        return handler(self.helicopter, now_s)
+
+    def _cruise(self, helicopter: Motion, now_s: float) -> tuple[Forecast, ...]:
+        leg = self.leg
+        if leg is None or abs(wrap_angle(helicopter.course_rad - leg.foot.heading_rad)) > 1.0:
+            return ()
+        line, speed = self._believed(leg)
+        along = line.along(helicopter.x_m, helicopter.y_m)
+        along += speed * (now_s - helicopter.time_s)
+        return (cruising(now_s, line.offset(along), speed),)
+
+    def _believed(self, leg: LegEstimate) -> tuple[Pose, float]:
+        """Return the leg's line and speed: a young leg is weighed against what was expected.
+
+        Expected are the speed of the leg before (or the nominal one), and a line through the last
+        stop at a right angle, unless the leg contradicts it. Inverse-variance weights.
+        """
+        estimate = self.estimate
+        expected = self._corner.speed_mps if estimate is None else estimate.speed_mps
+        speed = _weighed(leg.speed_mps, leg.speed_sigma_mps, expected, EXPECTED_SPEED_SIGMA_MPS)
+        if estimate is None or self.went_on or leg.time_s < estimate.stop_time_s:
+            return leg.foot, speed
+        heading = estimate.stop.heading_rad - self._side * math.pi / 2.0
+        turned = wrap_angle(leg.foot.heading_rad - heading)
+        spread = math.hypot(leg.heading_sigma_rad, EXPECTED_HEADING_SIGMA_RAD)
+        if abs(turned) > CONTRADICTION * spread:
+            return leg.foot, speed
+        off = -leg.foot.across(estimate.stop.x_m, estimate.stop.y_m)
+        away = leg.foot.along(estimate.stop.x_m, estimate.stop.y_m)
+        # Both lines are compared abeam the leg's foot.
+        off_here = off + away * math.sin(turned)
+        off_sigma = math.hypot(EXPECTED_LINE_SIGMA_M, away * EXPECTED_HEADING_SIGMA_RAD)
+        left = _weighed(0.0, leg.position_sigma_m, -off_here, off_sigma)
+        turn = _weighed(turned, leg.heading_sigma_rad, 0.0, EXPECTED_HEADING_SIGMA_RAD)
+        moved = leg.foot.offset(0.0, left)
+        return Pose(moved.x_m, moved.y_m, heading + turn), speed
+
+    def _decelerating(self, helicopter: Motion, now_s: float) -> tuple[Forecast, ...]:
+        estimate = self.estimate
+        if estimate is None or self.went_on:
+            return self._cruise(helicopter, now_s)
+        return (
+            cornering(
+                estimate.onset_time_s,
+                estimate.stop,
+                speed_mps=estimate.speed_mps,
+                accel_mps2=estimate.accel_mps2,
+                turn_rad=-self._side * math.pi / 2.0,
+            ),
+        )
+
+    def _stopped(self, _helicopter: Motion, now_s: float) -> tuple[Forecast, ...]:
+        estimate = self.estimate
+        if estimate is None or self.went_on:
+            return ()
+        stop, leave_s = estimate.stop, max(now_s - UNSEEN_S, estimate.stop_time_s)
+        out = Pose(stop.x_m, stop.y_m, stop.heading_rad - self._side * math.pi / 2.0)
+        leaving = departing(
+            leave_s, out, 0.0, speed_mps=estimate.speed_mps, accel_mps2=estimate.accel_mps2
+        )
+        standing = Forecast(
+            (Stretch(now_s, out, 0.0),), out, leave_s + STANDING_S, estimate.speed_mps
+        )
+        return leaving, standing
+
+    def _accelerating(self, helicopter: Motion, now_s: float) -> tuple[Forecast, ...]:
+        estimate = self.estimate
+        if estimate is None or self.went_on:
+            speed = self._corner.speed_mps if self.leg is None else self.leg.speed_mps
+            if self.leg is None and helicopter.speed_mps < MOVING_MPS:
+                return ()
+            turned = self.leg is None or (
+                helicopter.speed_mps > MOVING_MPS
+                and abs(wrap_angle(helicopter.course_rad - self.leg.foot.heading_rad))
+                > TURNED_OTHERWISE_RAD
+            )
+            line = helicopter.pose if turned or self.leg is None else self.leg.foot
+            accel = self._corner.accel_mps2
+        else:
+            line, speed, accel = self._way_out(helicopter), estimate.speed_mps, estimate.accel_mps2
+        along = line.along(helicopter.x_m, helicopter.y_m)
+        forward = (
+            max(0.0, helicopter.speed_mps * math.cos(helicopter.course_rad - line.heading_rad))
+            if helicopter.speed_mps > 0.5
+            else 0.0
+        )
+        start = line.offset(along + forward * (now_s - helicopter.time_s))
+        return (departing(now_s, start, min(forward, speed), speed_mps=speed, accel_mps2=accel),)
+
+    def _way_out(self, helicopter: Motion) -> Pose:
+        """Return the line on which the helicopter leaves the corner, through its stop.
+
+        The right angle is believed until the bearing from the stop says otherwise.
+        """
+        assert self.estimate is not None
+        stop = self.estimate.stop
+        heading = stop.heading_rad - self._side * math.pi / 2.0
+        away = math.hypot(helicopter.x_m - stop.x_m, helicopter.y_m - stop.y_m)
+        if away > SURE_BEARING_M:
+            bearing = math.atan2(helicopter.y_m - stop.y_m, helicopter.x_m - stop.x_m)
+            if abs(wrap_angle(bearing - heading)) > TURNED_OTHERWISE_RAD * max(
+                0.5, SURE_BEARING_M / away
+            ):
+                heading = bearing
+        return Pose(stop.x_m, stop.y_m, heading)

@@ -1,0 +1,39 @@
+"""The slot track as a waypoint list, renewed when it is gone, shifted or ending."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sar_estimator.plane import Pose
+from sar_estimator.states import Motion
+from sar_planner.geometry import FloatArray
+from sar_planner.mission_parameters import MissionParameters
+
+
+class SlotTrack:
+    """Knows which slot track was listed last."""
+
+    def __init__(self, parameters: MissionParameters) -> None:
+        """Nothing is listed yet."""
+        self._p = parameters
+        self._listed: Pose | None = None
+
+    def forget(self) -> None:
+        """Something else was listed since."""
+        self._listed = None
+
+    def points(self, slot: Pose, uav: Motion) -> FloatArray | None:
+        """Return the waypoints, shape (2, 2) [m], of a list that is due; None when none is."""
+        here = slot.offset(slot.along(uav.x_m, uav.y_m))
+        if self._listed is not None:
+            far = here.offset(1000.0)
+            shift = max(
+                abs(self._listed.across(here.x_m, here.y_m)),
+                0.5 * abs(self._listed.across(far.x_m, far.y_m)),
+            )
+            left = self._p.horizon_m - self._listed.along(uav.x_m, uav.y_m)
+            if shift < self._p.slot_tolerance_m and left > 0.4 * self._p.horizon_m:
+                return None
+        self._listed = here
+        ahead = [here.offset(x) for x in (self._p.capture_m, self._p.horizon_m)]
+        return np.array([(pose.x_m, pose.y_m) for pose in ahead])
