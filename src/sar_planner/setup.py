@@ -25,6 +25,7 @@ setup(
     entry_points={
         "console_scripts": [
             "planner = sar_planner.planner_node:main",
+            "replan_benchmark = sar_planner.benchmark_cli:main",
             "corner = sar_planner.corner_cli:main",
         ],
     },

@@ -282,3 +282,28 @@ def test_positions_that_are_none_are_not_used():
     assert state.handle(unknown, monotonic_s=0.0, ros_s=0.0, datum=DATUM)
     assert state.telemetry.yaw_rad == pytest.approx(0.0)
     assert math.isclose(state.telemetry.motion.vx_mps, 5.0)
+
+
+def test_speed_is_asked_for_while_a_list_is_flown_and_not_too_often(bench):
+    asked = bench.session.set_speed(21.0, bench.now)
+    assert asked == []  # nothing is flown yet
+    bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
+    bench.run(2.0)
+    bench.exchange(bench.session.set_speed(21.5, bench.now))
+    assert bench.autopilot.airspeed_mps == pytest.approx(21.5)
+    before = command_numbers(bench).count(mavlink.MAV_CMD_DO_CHANGE_SPEED)
+    bench.exchange(bench.session.set_speed(21.6, bench.now))
+    bench.exchange(bench.session.set_speed(19.0, bench.now))
+    assert command_numbers(bench).count(mavlink.MAV_CMD_DO_CHANGE_SPEED) == before
+    bench.run(1.5)  # the newest wish goes out when it may
+    assert bench.autopilot.airspeed_mps == pytest.approx(19.0)
+
+
+def test_speed_is_not_asked_for_once_a_human_has_taken_the_mode(bench):
+    bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
+    bench.run(2.0)
+    bench.mode(FlightMode.LOITER)
+    sent = command_numbers(bench).count(mavlink.MAV_CMD_DO_CHANGE_SPEED)
+    bench.exchange(bench.session.set_speed(18.0, bench.now))
+    bench.run(2.0)
+    assert command_numbers(bench).count(mavlink.MAV_CMD_DO_CHANGE_SPEED) == sent

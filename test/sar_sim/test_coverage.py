@@ -44,3 +44,12 @@ def test_a_missing_uav_halves_the_coverage():
 def test_no_track_no_swath():
     with pytest.raises(ValueError, match="track of 1 points"):
         swath(STRAIGHT[:1], 100.0)
+
+
+def test_pattern_that_crosses_itself_has_an_inner_track_in_parts():
+    corners = np.array([(0, 0), (0, 900), (700, 900), (700, 300), (-600, 500), (-300, 1500)], float)
+    tracks = ideal_tracks(corners, spacing_m=250.0, turn_side=1)
+    assert len(tracks) >= 2
+    assert all(track.shape[1] == 2 for track in tracks)
+    found = measure(tracks[0], tracks[1], tracks, radius_m=125.0, footprint="disc")
+    assert 50.0 < found.percent <= 100.0

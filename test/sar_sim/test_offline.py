@@ -38,7 +38,9 @@ def lags(flight):
 
 
 def test_true_state_gives_the_papers_sequence():
-    assert lags(OfflineFlight(Scenario(), rules="paper", truth=True)) == pytest.approx(PAPER, abs=0.5)
+    assert lags(OfflineFlight(Scenario(), rules="paper", truth=True)) == pytest.approx(
+        PAPER, abs=0.5
+    )
 
 
 def test_noise_free_fixes_give_the_sequence_within_15_m():

@@ -25,12 +25,14 @@ from sar_planner.geometry import Arc, CornerFrame, FlightPath, FloatArray, Strai
 from sar_planner.separation import least_distances_m, sampling_slack_m
 
 PAIRS = ((STRAIGHT_Y, STRAIGHT_Q), (STRAIGHT_P, STRAIGHT_Y), (STRAIGHT_P, STRAIGHT_Q))
-BEHIND_M, BEFORE_M = 60.0, 60.0
-GRID_RAD = np.radians(np.arange(-175.0, 181.0, 5.0))
+BACK_M = 15.0
+AHEAD_FACTOR = 1.5
+GRID_RAD = np.radians(np.arange(-172.5, 181.0, 7.5))
 OVERSHOOTS_RAD = tuple(math.radians(slope) for slope in (20.0, 40.0, 60.0, 80.0))
 SIDES = (1, -1)
 CHUNK = 48
 WIDEST = 600
+TRIED = 240
 TWO_PI = 2.0 * math.pi
 DETOUR_COST = 0.1
 LONGEST_TURN_RAD = 1.75 * math.pi
@@ -40,26 +42,24 @@ LONGEST_TURN_RAD = 1.75 * math.pi
 class Approach:
     """A path, in the slot's frame, begun at ``begun_s`` and flown at ``speed_mps``.
 
-    ``turn_rad``: all the turning there was when it was first planned.
+    ``flown_m``: how far along it the UAV was when it was last looked at.
     """
 
     frame: CornerFrame
     path: FlightPath
     begun_s: float
     speed_mps: float
-    turn_rad: float
 
-    def flown_m(self, uav: Pose, now_s: float) -> float:
-        """Return the path distance [m] at which the UAV (in the frame) is nearest to the path."""
-        expected = self.speed_mps * (now_s - self.begun_s)
-        return self.path.nearest_m(
-            uav.x_m, uav.y_m, max(0.0, expected - BEHIND_M), expected + BEFORE_M
-        )
+    flown_m: float = 0.0
 
-    def turn_left(self, flown_m: float) -> float:
-        """Return the share of all turning that is still to come."""
-        left = total_turn_rad(self.path.cut(min(flown_m, self.path.length_m)))
-        return 0.0 if self.turn_rad <= 0.0 else min(1.0, left / self.turn_rad)
+    def followed(self, uav: Pose, moved_m: float) -> Approach:
+        """Return the approach once the UAV, in the frame, is at ``uav``.
+
+        ``moved_m``: how far it can have flown since it was last looked at.
+        """
+        low, high = self.flown_m - BACK_M, self.flown_m + AHEAD_FACTOR * moved_m + BACK_M
+        at = self.path.nearest_m(uav.x_m, uav.y_m, max(0.0, low), high)
+        return replace(self, flown_m=max(0.0, at))
 
 
 def total_turn_rad(path: FlightPath) -> float:
@@ -90,9 +90,10 @@ def row_of(path: FlightPath) -> FloatArray | None:
 
 @dataclass(frozen=True)
 class Recapture:
-    """The search for a path from ``start`` at ``start_s`` that ends with lag ``target_m``.
+    """The search for a path from ``start`` at ``start_s`` that ends without lag.
 
-    ``forecasts``: the first is what is expected, all are kept apart from.
+    ``forecasts``: the first is what is expected, all are kept apart from. ``speed_mps``: what the
+    UAV makes good along its path.
     """
 
     start: Pose
@@ -102,7 +103,6 @@ class Recapture:
     speed_mps: float
     separation_m: float
     longest_m: float
-    target_m: float = 0.0
 
     @property
     def _problem(self) -> CaptureProblem:
@@ -113,7 +113,7 @@ class Recapture:
     def _detour_m(self) -> float:
         forecast = self.forecasts[0]
         slot = forecast.leg.x_m + forecast.along_m(self.start_s)
-        return self.start.x_m - slot + self.target_m
+        return self.start.x_m - slot
 
     def distances_m(self, batch: PathBatch) -> FloatArray:
         """Return least distances to the helicopter [m], none more than the true ones."""
@@ -131,6 +131,10 @@ class Recapture:
         """Return the cheapest path that keeps the separation."""
         order = np.argsort(costs, kind="stable")
         order = order[batch.lengths_m[order] <= self.longest_m]
+        if len(order) > 2 * TRIED:
+            # Near the end of a long list neighbours are alike: a sample of them will do.
+            rest = np.linspace(TRIED, len(order) - 1, TRIED).astype(int)
+            order = order[np.concatenate((np.arange(TRIED), rest))]
         for begin in range(0, len(order), CHUNK):
             part = batch.take(order[begin : begin + CHUNK])
             kept = np.flatnonzero(self.distances_m(part) >= separation_m)
@@ -142,16 +146,18 @@ class Recapture:
         """Return the path to fly, the old one given as a row; None where none is safe.
 
         The old one's headings with other straights, else the shortest of any headings, both ending
-        with the lag wanted, for the first of the separations [m] that has one; else the one that
-        ends nearest to it, short ones preferred.
+        without lag and for the first of the separations [m] that has one; else the one that ends
+        nearest to the slot, short ones preferred.
         """
-        same = None if row is None else self._same_turns(row)
-        exact = None
+        if row is not None:
+            same = self._same_turns(row)
+            for separation in separations_m:
+                path = self._first_kept(same, same.lengths_m, separation)
+                if path is not None:
+                    return path
+        exact = self._any_turns()
         for separation in separations_m:
-            path = None if same is None else self._first_kept(same, same.lengths_m, separation)
-            if path is None:
-                exact = self._any_turns() if exact is None else exact
-                path = self._first_kept(exact, exact.lengths_m, separation)
+            path = self._first_kept(exact, exact.lengths_m, separation)
             if path is not None:
                 return path
         inexact = self._any_lag()
@@ -170,7 +176,7 @@ class Recapture:
         return PathBatch.join(batches)
 
     def _any_turns(self) -> PathBatch:
-        """Return the paths of any two headings that end with the lag wanted."""
+        """Return the paths of any two headings that end without lag."""
         problem, detour = self._problem, self._detour_m
         h1, h2 = (grid.ravel() for grid in np.meshgrid(GRID_RAD, GRID_RAD, indexing="ij"))
         batches = []

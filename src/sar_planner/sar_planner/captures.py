@@ -138,13 +138,19 @@ def turn_to(heading_rad: FloatArray, target_rad: float, side: int) -> FloatArray
 class CaptureProblem:
     """From ``start``, in the slot's frame (track on y = 0, direction +x), onto the slot track.
 
-    ``slow_factor``: kappa = V / speed of the UAV. ``last_turn_rad``: the last arc, 0 for none.
+    ``slow_factor``: kappa = V / speed of the UAV along its path. ``last_turn_rad``: the last arc, 0
+    for none. ``lead_factor``: kappa on the first straight where it is another one.
     """
 
     start: Pose
     radius_m: float
     slow_factor: float = 1.0
     last_turn_rad: float = 0.0
+    lead_factor: float | None = None
+
+    @property
+    def _lead_factor(self) -> float:
+        return self.slow_factor if self.lead_factor is None else self.lead_factor
 
     def _turns(
         self, turn_1: FloatArray, turn_2: FloatArray, last_side: int
@@ -195,10 +201,11 @@ class CaptureProblem:
         }
         h0 = self.start.heading_rad
         want_y = -self.start.y_m - lateral - lead_m * math.sin(h0)
-        want_e = detour_m - arcs_detour - lead_m * (k - math.cos(h0))
+        want_e = detour_m - arcs_detour - lead_m * (self._lead_factor - math.cos(h0))
         first, second = (headings[column] for column in straights)
         a11, a12 = np.sin(first), np.sin(second)
-        a21, a22 = k - np.cos(first), k - np.cos(second)
+        factors = {STRAIGHT_P: self._lead_factor, STRAIGHT_Y: k, STRAIGHT_Q: k}
+        a21, a22 = factors[straights[0]] - np.cos(first), factors[straights[1]] - np.cos(second)
         det = a11 * a22 - a12 * a21
         safe = np.where(np.abs(det) < SINGULAR, np.inf, det)
         rows = np.zeros((len(h1), COLUMNS))
@@ -248,4 +255,6 @@ class CaptureProblem:
 
     def detours_m(self, batch: PathBatch) -> FloatArray:
         """Return the detour kappa l - dx of every path, shape (n,) [m]."""
-        return self.slow_factor * batch.lengths_m - (batch.ends[:, 0] - self.start.x_m)
+        lead = batch.rows[:, STRAIGHT_P]
+        weighed = self.slow_factor * (batch.lengths_m - lead) + self._lead_factor * lead
+        return weighed - (batch.ends[:, 0] - self.start.x_m)

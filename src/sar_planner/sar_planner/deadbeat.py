@@ -42,8 +42,8 @@ CONVERGED_M = 0.5
 MAX_STRAIGHT_SPACINGS = 2.4
 MAX_STRAIGHT_SHARE = 2.6
 COVERED_SPACINGS = 2.5
-COMPARED = 12
-CHUNK = 32
+COMPARED = 8
+CHUNK = 24
 FINER = 16
 
 
@@ -64,9 +64,13 @@ class Candidates:
 class DeadbeatRules:
     """The three rules at one corner's parameters."""
 
-    def __init__(self, parameters: CornerParameters) -> None:
-        """Prepare what does not depend on the lag."""
+    def __init__(self, parameters: CornerParameters, *, made_good: float = 1.0) -> None:
+        """Prepare what does not depend on the lag.
+
+        ``made_good``: share of its speed that the UAV makes good along its path after the lead-in.
+        """
         self.parameters = parameters
+        self._made_good = made_good
         self._forecast: Forecast = corner_forecast(parameters)
         self._frame = slot_frame(parameters)
         self._slot_forecast = self._forecast.in_frame(self._frame)
@@ -91,7 +95,9 @@ class DeadbeatRules:
         """Return the problem in the slot's frame: the UAV at (-(s + L), -d) in the corner's."""
         p = self.parameters
         start = Pose(-(p.stopping_m + lag_m), -p.spacing_m, 0.0)
-        return CaptureProblem(self._frame.to_frame(start), p.turn_radius_m)
+        return CaptureProblem(
+            self._frame.to_frame(start), p.turn_radius_m, 1.0 / self._made_good, lead_factor=1.0
+        )
 
     @property
     def _offset_m(self) -> float:
@@ -142,8 +148,13 @@ class DeadbeatRules:
 
     def distances_m(self, batch: PathBatch) -> FloatArray:
         """Return least distances [m], certain not to be more than the true ones."""
+        speed = self.parameters.speed_mps
         sampled = least_distances_m(
-            batch, self._slot_forecast, start_s=0.0, speeds_mps=self.parameters.speed_mps
+            batch,
+            self._slot_forecast,
+            start_s=0.0,
+            speeds_mps=speed * self._made_good,
+            lead_mps=speed,
         )
         slack = sampling_slack_m(self.parameters.separation_m, self.parameters.turn_radius_m)
         return sampled - slack
@@ -256,7 +267,8 @@ class DeadbeatRules:
     def _corner_plan(self, rule: Rule, lag_m: float, batch: PathBatch) -> CornerPlan:
         path = self._frame.path_to_map(batch.path(0))
         p = self.parameters
-        next_lag = path.length_m + path.end.y_m - 3.0 * p.stopping_m
+        late = (1.0 / self._made_good - 1.0) * (path.length_m - float(batch.rows[0, STRAIGHT_P]))
+        next_lag = path.length_m + late + path.end.y_m - 3.0 * p.stopping_m
         return CornerPlan(rule, lag_m, next_lag, path, p)
 
     def closest_m(self, plan: CornerPlan) -> float:

@@ -26,7 +26,7 @@ from sar_planner.rules import CornerPlan, NoPathError, Rule
 from sar_planner.separation import closest_over_time
 from sar_planner.situation import Situation
 from sar_planner.slot_track import SlotTrack
-from sar_planner.speed_trim import PathBias, trimmed_mps
+from sar_planner.speed_trim import MadeGood, trimmed_mps
 from sar_planner.waypoints import path_waypoints
 
 ON_TRACK_M = 40.0
@@ -38,7 +38,8 @@ SETTLED_RAD = math.radians(20.0)
 TIMING_M = 15.0
 MARGIN_SHARE = 0.2
 WIDER_M = 5.0
-LONGER_SPACINGS = 1.6
+LONGER_SPACINGS = 1.0
+LATE_FACTOR = 2.5
 RETRY_S = 2.0
 
 Listed = tuple[str, FloatArray]
@@ -55,7 +56,7 @@ class DeadbeatPilot:
         self._corner = corner
         self._mission = mission
         self._track = SlotTrack(mission)
-        self.bias = PathBias(mission.bias_gain)
+        self.good = MadeGood(mission.bias_gain)
         self.active: ActiveCorner | None = None
         self.approach: Approach | None = None
         self.problem = ""
@@ -66,6 +67,7 @@ class DeadbeatPilot:
         self._planned: CornerEstimate | None = None
         self._done_corner = 0
         self._retry_s = -math.inf
+        self._followed_s = -math.inf
 
     # Engagement --------------------------------------------------------------------------------
 
@@ -79,9 +81,9 @@ class DeadbeatPilot:
         return Mode.LEG if self.approach is None else Mode.REJOIN
 
     @property
-    def expected_extra_m(self) -> float:
-        """What the next corner's path is expected to be longer than planned [m]."""
-        return self.bias.extra_m
+    def made_good(self) -> float:
+        """The share of its speed that the UAV is expected to make good at corners."""
+        return self.good.share
 
     def begin(self) -> None:
         """Begin to lead; a corner that is already over is not planned."""
@@ -146,6 +148,11 @@ class DeadbeatPilot:
         assert uav is not None
         return frame.to_frame(uav.pose.offset(uav.speed_mps * (now_s - uav.time_s)))
 
+    @property
+    def _share(self) -> float:
+        """What is made good of the UAV's speed on the path being flown."""
+        return self.good.now if self.active is not None else 1.0
+
     def _hold(self, reason: str) -> Listed | None:
         """Keep out of the way: the list ends ahead, where the bridge lets the UAV circle."""
         self.problem = f"holding: {reason}"
@@ -186,15 +193,19 @@ class DeadbeatPilot:
         first_stop = self.active.first_stop if again and self.active else estimate.stop
         self.active = ActiveCorner(k, estimate, frame, plan, first_stop, uav.speed_mps)
         self._holding = False
-        self.speed_mps = estimate.speed_mps
         slot = self._s.slot_frame(forecasts[0].leg)
         path = self.active.path
-        self.approach = Approach(
-            slot,
-            slot.path_from_map(path),
-            estimate.onset_time_s,
-            estimate.speed_mps,
-            total_turn_rad(path),
+        flown = self.active.flown_m(now_s)
+        lag = plan.next_lag_m
+        self._begin(
+            Approach(
+                slot,
+                slot.path_from_map(path),
+                estimate.onset_time_s,
+                self._faster(path.length_m - flown, lag, estimate.speed_mps),
+                flown,
+            ),
+            now_s,
         )
         self._commit_when_due(now_s)
         return str(plan.rule), self._points(
@@ -220,7 +231,7 @@ class DeadbeatPilot:
         parameters = replace(
             self._corner, speed_mps=estimate.speed_mps, accel_mps2=estimate.accel_mps2
         )
-        rules = DeadbeatRules(parameters)
+        rules = DeadbeatRules(parameters, made_good=self.good.share)
         at_onset = pose.x_m - uav.speed_mps * (uav.time_s - estimate.onset_time_s)
         lag = -parameters.stopping_m - at_onset
         passed = now_s - estimate.onset_time_s + self._mission.reaction_s
@@ -228,12 +239,10 @@ class DeadbeatPilot:
         plan = None
         for separation in self._separations_m():
             try:
-                plan = rules.plan(
-                    lag, lead_m=lead, separation_m=separation, target_m=-self.bias.extra_m
-                )
+                plan = rules.plan(lag, lead_m=lead, separation_m=separation)
             except NoPathError:
                 continue
-            if abs(plan.next_lag_m + self.bias.extra_m) <= CONVERGED_M:
+            if abs(plan.next_lag_m) <= CONVERGED_M:
                 break
         return plan
 
@@ -292,14 +301,28 @@ class DeadbeatPilot:
         overtaken = self._s.corners_seen > active.k
         if overtaken or active.plan.turn_start_m - active.flown_m(now_s) < margin + 1e-6:
             self.active = replace(active, committed=True)
-            self.bias.begin()
+            self.good.begin(self._corner.speed_mps)
+
+    def _begin(self, approach: Approach, now_s: float) -> None:
+        """Follow another path from now on."""
+        self.approach = approach
+        self.speed_mps = approach.speed_mps
+        self._followed_s = now_s
+
+    def _faster(self, path_m: float, lag_m: float, speed_mps: float) -> float:
+        """Return the speed that takes a lag out along a path, no more than the trim above V."""
+        if lag_m < self._mission.lag_tolerance_m:
+            return speed_mps
+        most = 1.0 + self._mission.speed_trim
+        share_m = lag_m * self._share / max(path_m, 1.0)
+        return speed_mps * min(1.0 / max(1e-3, 1.0 - share_m), most)
 
     def _leave(self) -> None:
         """Leave a path that is flown, or no longer wanted."""
         if self.active is not None:
             self._done_corner = self.active.k
             if self.active.committed:
-                self.bias.learn()
+                self.good.learn()
         self.active = self.approach = None
         self._track.forget()
 
@@ -307,16 +330,20 @@ class DeadbeatPilot:
 
     def _follow(self, now_s: float, forecasts: tuple[Forecast, ...]) -> Listed | None:
         """Watch the path being flown; solve again what is left of it when it no longer fits."""
-        approach = self.approach
-        assert approach is not None
-        here = self._uav_in(approach.frame, now_s)
-        flown = approach.flown_m(here, now_s)
-        self.bias.watch(now_s, flown, approach.speed_mps)
-        late_m = approach.speed_mps * (now_s - approach.begun_s) - approach.path.length_m
+        assert self.approach is not None
+        here = self._uav_in(self.approach.frame, now_s)
+        moved_m = self.approach.speed_mps * (now_s - self._followed_s)
+        approach = self.approach = self.approach.followed(here, moved_m)
+        self._followed_s = now_s
+        flown = approach.flown_m
+        self.good.watch(now_s, flown, approach.speed_mps)
+        overdue = (
+            now_s - approach.begun_s > LATE_FACTOR * approach.path.length_m / approach.speed_mps
+        )
         done = flown >= approach.path.length_m - 1.0
         rest = approach.path.cut(min(flown, approach.path.length_m))
         settled = done or total_turn_rad(rest) < SETTLED_RAD
-        if (settled and self._on_slot(now_s, forecasts[0])) or late_m > 300.0:
+        if (settled and self._on_slot(now_s, forecasts[0])) or overdue:
             self._leave()
             return self._leg_list(now_s, forecasts)
         if done or now_s < self._retry_s:
@@ -326,11 +353,10 @@ class DeadbeatPilot:
         there = approach.path.pose_at(flown)
         off_m = math.hypot(here.x_m - there.x_m, here.y_m - there.y_m)
         expected = tuple(forecast.in_frame(approach.frame) for forecast in forecasts)
-        extra = self.bias.extra_m * approach.turn_left(flown)
         if self.active is None:
             approach = self._timed(approach, rest, expected[0], now_s)
-        speed = approach.speed_mps
-        lag = extra + final_lag_m(rest, expected[0], start_s=now_s, speed_mps=speed)
+        speed = approach.speed_mps * self._share
+        lag = final_lag_m(rest, expected[0], start_s=now_s, speed_mps=speed)
         tolerance = self._mission.lag_tolerance_m if self.active is not None else TIMING_M
         fits = abs(lag) < tolerance and not moved and off_m < OFF_PATH_M
         margin = MARGIN_SHARE * self._mission.separation_margin_m
@@ -372,7 +398,8 @@ class DeadbeatPilot:
         approach = self.approach
         assert approach is not None
         old = approach.path
-        from_m = min(flown_m + approach.speed_mps * self._mission.reaction_s, old.length_m)
+        run_m = approach.speed_mps * self._share * self._mission.reaction_s
+        from_m = min(flown_m + run_m, old.length_m)
         kept = old.cut(min(flown_m, old.length_m), from_m)
         begin = old.pose_at(from_m)
         if off_m >= OFF_PATH_M:
@@ -392,10 +419,9 @@ class DeadbeatPilot:
             now_s + self._mission.reaction_s,
             tuple(forecast.in_frame(frame) for forecast in forecasts),
             self._corner.turn_radius_m,
-            speed,
+            speed * self._share,
             self._corner.separation_m,
             old.length_m - from_m + LONGER_SPACINGS * self._corner.spacing_m,
-            -self.bias.extra_m * approach.turn_left(flown_m),
         )
         row = row_of(old.cut(from_m))
         path = search.best(row, self._separations_m())
@@ -405,15 +431,18 @@ class DeadbeatPilot:
         whole = before.then(path)
         self.corrections += 1
         self._retry_s = now_s + 1.0
-        self.approach = Approach(
-            frame,
-            whole,
-            now_s if kept.segments else now_s + self._mission.reaction_s,
-            speed,
-            approach.turn_rad,
+        target = forecasts[0].in_frame(frame)
+        lag = final_lag_m(path, target, start_s=search.start_s, speed_mps=search.speed_mps)
+        self._begin(
+            Approach(
+                frame,
+                whole,
+                now_s if kept.segments else now_s + self._mission.reaction_s,
+                self._faster(path.length_m, lag, speed),
+            ),
+            now_s,
         )
-        self.speed_mps = speed
-        self.bias.moved()
+        self.good.moved()
         name = str(self.active.plan.rule) if self.active is not None else str(Mode.REJOIN)
         return name, self._points(frame.path_to_map(whole), 0.0)
 
@@ -429,9 +458,8 @@ class DeadbeatPilot:
         assert approach is not None
         self._retry_s = now_s + RETRY_S
         expected = tuple(forecast.in_frame(approach.frame) for forecast in forecasts)
-        here = self._uav_in(approach.frame, now_s)
-        rest = approach.path.cut(min(approach.flown_m(here, now_s), approach.path.length_m))
-        kept_m = self._apart_m(rest, expected, now_s, approach.speed_mps)
+        rest = approach.path.cut(min(approach.flown_m, approach.path.length_m))
+        kept_m = self._apart_m(rest, expected, now_s, approach.speed_mps * self._share)
         if kept_m >= self._corner.separation_m:
             return None
         plan = self._rejoin_plan(now_s, forecasts)
@@ -442,9 +470,7 @@ class DeadbeatPilot:
         listed = None
         if widest is not None and widest[1] > kept_m + WIDER_M:
             nearest = widest[1]
-            self.approach = Approach(
-                frame, widest[0], search.start_s, search.speed_mps, total_turn_rad(widest[0])
-            )
+            self._begin(Approach(frame, widest[0], search.start_s, forecasts[0].speed_mps), now_s)
             listed = str(Mode.REJOIN), self._points(frame.path_to_map(widest[0]), 0.0)
         self.problem = f"no safe path: comes within {nearest:.0f} m of the helicopter"
         return listed
@@ -464,25 +490,28 @@ class DeadbeatPilot:
         frame = self._s.slot_frame(forecasts[0].leg)
         start_s = now_s + self._mission.reaction_s
         v, trim = forecasts[0].speed_mps, self._mission.speed_trim
+        wide, _, least = self._separations_m()
         task = RejoinTask(
             self._uav_in(frame, start_s),
             start_s,
             tuple(forecast.in_frame(frame) for forecast in forecasts),
             self._corner.turn_radius_m,
-            v * (1.0 - trim),
-            v * (1.0 + trim),
-            self._corner.separation_m,
+            v * (1.0 - trim) * self._share,
+            v * (1.0 + trim) * self._share,
+            wide,
         )
-        return rejoin(task)
+        plan = rejoin(task)
+        if plan is None or plan.kept:
+            return plan
+        narrow = rejoin(replace(task, separation_m=least))
+        return plan if narrow is None or narrow.closest_m < plan.closest_m else narrow
 
     def _take_rejoin(self, plan: RejoinPlan, now_s: float, frame: CornerFrame) -> Listed:
         start_s = now_s + self._mission.reaction_s
-        self.approach = Approach(
-            frame, plan.path, start_s, plan.speed_mps, total_turn_rad(plan.path)
-        )
-        self.speed_mps = plan.speed_mps
+        speed = plan.speed_mps / self._share
+        self._begin(Approach(frame, plan.path, start_s, speed), now_s)
         self._track.forget()
-        self.bias.cancel()
+        self.good.cancel()
         return str(Mode.REJOIN), self._points(frame.path_to_map(plan.path), 0.0)
 
     # Legs --------------------------------------------------------------------------------------

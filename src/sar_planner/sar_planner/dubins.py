@@ -1,9 +1,9 @@
 """Dubins' words: the paths of two or three arcs that can be shortest, or of exactly a length.
 
 L. E. Dubins (1957); the closed forms follow A. M. Shkel and V. Lumelsky, Classification of the
-Dubins set (2001). All six words are returned, not only the shortest: a pose on the boundary of what
-can be reached with a path of exactly some length is reached by one of them (V. Patsko, S.
-Pyatko, A. Fedotov, 2003).
+Dubins set (2001). All words are returned, not only the shortest, and those of three arcs with a
+long and with a short middle one: what can be reached with a path of exactly some length is bounded
+by poses that such words reach (V. Patsko, S. Pyatko, A. Fedotov, 2003).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from sar_planner.captures import COLUMNS, STRAIGHTS, TURNS
 from sar_planner.geometry import FloatArray
 
 TWO_PI = 2.0 * math.pi
-WORDS = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")
+WORDS = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL", "RLR", "LRL")
 
 
 def _positive(angle_rad: FloatArray) -> FloatArray:
@@ -26,7 +26,7 @@ def _positive(angle_rad: FloatArray) -> FloatArray:
 
 
 def words(start: Pose, targets: FloatArray, radius_m: float) -> FloatArray:
-    """Return all words from ``start`` to every target pose, shape (6, n, 7).
+    """Return all words from ``start`` to every target pose, shape (8, n, 7).
 
     ``targets``: x, y, heading, shape (n, 3). The last axis is a row of ``PathBatch``: straights
     [m] and turns [rad] by turns; NaN where a word does not exist. The order is ``WORDS``.
@@ -76,18 +76,18 @@ def words(start: Pose, targets: FloatArray, radius_m: float) -> FloatArray:
         put(3, exists=square, parts=(_positive(a - turn), straight, _positive(b - turn)))
 
         cosine = (6.0 - gap**2 + 2.0 * cab + 2.0 * gap * (sa - sb)) / 8.0
-        middle = TWO_PI - np.arccos(np.clip(cosine, -1.0, 1.0))
-        first = _positive(a - np.arctan2(ca - cb, gap - sa + sb) + 0.5 * middle)
-        put(
-            4, exists=1.0 - np.abs(cosine), parts=(first, middle, _positive(a - b - first + middle))
-        )
+        exists = 1.0 - np.abs(cosine)
+        small = np.arccos(np.clip(cosine, -1.0, 1.0))
+        for word, middle in ((4, TWO_PI - small), (6, small)):
+            first = _positive(a - np.arctan2(ca - cb, gap - sa + sb) + 0.5 * middle)
+            put(word, exists=exists, parts=(first, middle, _positive(a - b - first + middle)))
 
         cosine = (6.0 - gap**2 + 2.0 * cab + 2.0 * gap * (sb - sa)) / 8.0
-        middle = TWO_PI - np.arccos(np.clip(cosine, -1.0, 1.0))
-        first = _positive(-a + np.arctan2(-ca + cb, gap + sa - sb) + 0.5 * middle)
-        put(
-            5, exists=1.0 - np.abs(cosine), parts=(first, middle, _positive(b - a - first + middle))
-        )
+        exists = 1.0 - np.abs(cosine)
+        small = np.arccos(np.clip(cosine, -1.0, 1.0))
+        for word, middle in ((5, TWO_PI - small), (7, small)):
+            first = _positive(-a + np.arctan2(-ca + cb, gap + sa - sb) + 0.5 * middle)
+            put(word, exists=exists, parts=(first, middle, _positive(b - a - first + middle)))
     return rows
 
 

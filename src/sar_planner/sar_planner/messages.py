@@ -170,7 +170,7 @@ def planner_diagnostics(planner: MissionPlanner, time_s: float) -> DiagnosticArr
             "separation_m": "" if separation is None else f"{separation:.1f}",
             "speed_asked_mps": "" if planner.speed_mps is None else f"{planner.speed_mps:.1f}",
             "corrections": planner.corrections,
-            "expected_extra_path_m": f"{planner.expected_extra_m:.0f}",
+            "made_good": f"{planner.made_good:.2f}",
             "lists": 0 if planner.list is None else planner.list.number,
         },
     )

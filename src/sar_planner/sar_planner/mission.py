@@ -193,9 +193,9 @@ class MissionPlanner:
         return speed
 
     @property
-    def expected_extra_m(self) -> float:
-        """By how much longer than planned the UAV is expected to fly at a corner [m]."""
-        return self._pilot.expected_extra_m
+    def made_good(self) -> float:
+        """The share of its speed that the UAV is expected to make good at corners."""
+        return self._pilot.made_good
 
     @property
     def corrections(self) -> int:

@@ -34,7 +34,7 @@ class MissionParameters:
     turn_side: int = 1
     rules: str = "deadbeat"
     arc_spacing_m: float = 20.0
-    reaction_s: float = 2.0
+    reaction_s: float = 1.5
     horizon_m: float = 4000.0
     slot_tolerance_m: float = 4.0
     capture_m: float = 150.0

@@ -30,7 +30,7 @@ class PaperPilot:
 
     speed_mps: float | None = None
     corrections = 0
-    expected_extra_m = 0.0
+    made_good = 1.0
 
     def __init__(
         self, situation: Situation, corner: CornerParameters, mission: MissionParameters

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sar_estimator.plane import Pose
 from sar_planner.captures import CaptureProblem, PathBatch
@@ -27,7 +28,8 @@ STEP_S = 0.5
 QUICK = 24
 QUICK_SHARE = 1.1
 CHUNK = 64
-FARTHEST = 800
+TRIED = 640
+FARTHEST = 200
 SLACK_S = 60.0
 REFINEMENTS = 5
 REFINED_SHARE = 1.25
@@ -157,6 +159,17 @@ class _Search:
         durations = found.durations_s(self.task.turn_radius_m)
         order = np.argsort(durations, kind="stable")
         order = order[durations[order] < before_s]
+        step = math.ceil(len(order) / TRIED)
+        if step > 1:
+            # A sample of a long list tells where the first one is.
+            at = self._first(found, order[::step])
+            if at is None:
+                return None
+            last = int(np.flatnonzero(order == at)[0])
+            order = np.concatenate((order[:TRIED], order[max(0, last - step) : last + 1]))
+        return self._first(found, order)
+
+    def _first(self, found: _Found, order: NDArray[np.intp]) -> int | None:
         for begin in range(0, len(order), CHUNK):
             chosen = order[begin : begin + CHUNK]
             part = _Found(found.rows[chosen], found.speeds[chosen])
@@ -254,7 +267,9 @@ def _farthest(search: _Search, found: _Found) -> RejoinPlan | None:
     """Return the path that stays the farthest from the helicopter."""
     if len(found.rows) == 0:
         return None
-    order = np.argsort(found.durations_s(search.task.turn_radius_m), kind="stable")
+    durations = found.durations_s(search.task.turn_radius_m)
+    order = np.argsort(durations, kind="stable")
+    order = order[durations[order] <= durations[order[0]] + SLACK_S]
     order = order[np.linspace(0, len(order) - 1, min(len(order), FARTHEST)).astype(int)]
     part = _Found(found.rows[order], found.speeds[order])
     best = int(np.argmax(search.distances_m(part)))

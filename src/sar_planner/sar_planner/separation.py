@@ -70,11 +70,17 @@ def sampling_slack_m(distance_m: float, radius_m: float) -> float:
 
 
 def least_distances_m(
-    batch: PathBatch, forecast: Forecast, *, start_s: float, speeds_mps: float | FloatArray
+    batch: PathBatch,
+    forecast: Forecast,
+    *,
+    start_s: float,
+    speeds_mps: float | FloatArray,
+    lead_mps: float | None = None,
 ) -> FloatArray:
     """Return the least sampled distance to the helicopter on every path, shape (n,) [m].
 
-    ``speeds_mps``: one for all paths, or one for each. Sampled every ``SAMPLE_M`` of the fastest
+    ``speeds_mps``: one for all paths, or one for each; ``lead_mps``: that on the first straights
+    where it is another, faster one. Sampled every ``SAMPLE_M`` of the fastest
     path, until all paths are flown and the helicopter is back at V.
     """
     if len(batch) == 0:
@@ -84,6 +90,10 @@ def least_distances_m(
     end_s = max(float((batch.lengths_m / speeds).max()), forecast.steady_s - start_s, step_s)
     times = np.linspace(0.0, end_s, math.ceil(end_s / step_s) + 1)
     distances = speeds[:, None] * times[None, :]
+    if lead_mps is not None:
+        lead = batch.rows[:, :1]
+        late = np.maximum(times[None, :] - lead / lead_mps, 0.0)
+        distances = np.minimum(lead_mps * times[None, :], lead + speeds[:, None] * late)
     # On the slot track at V the distance no longer changes.
     over = distances - batch.lengths_m[:, None]
     slower = forecast.speed_mps / speeds[:, None]

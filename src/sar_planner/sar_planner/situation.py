@@ -110,9 +110,9 @@ class Situation:
     def forecasts(self, now_s: float) -> tuple[Forecast, ...]:
         """Return the motion to come, and others that must be kept apart from too; or nothing.
 
-        On a leg it goes on. Slowing, it will turn by a right angle to the pattern's side. Standing,
-        it has departed as recently as would not be seen yet, or stands on. Speeding up, it goes
-        where it is going. Nothing where the leg is not known.
+        On a leg it goes on, or stops at once. Slowing, it will turn by a right angle to the
+        pattern's side. Standing, it has departed as recently as would not be seen yet, or stands
+        on. Speeding up, it goes where it is going. Nothing where the leg is not known.
         """
         if self.helicopter is None or self.phase is Phase.LOST:
             return ()
@@ -129,9 +129,15 @@ class Situation:
         if leg is None or abs(wrap_angle(helicopter.course_rad - leg.foot.heading_rad)) > 1.0:
             return ()
         line, speed = self._believed(leg)
+        estimate = self.estimate
         along = line.along(helicopter.x_m, helicopter.y_m)
         along += speed * (now_s - helicopter.time_s)
-        return (cruising(now_s, line.offset(along), speed),)
+        here = line.offset(along)
+        accel = self._corner.accel_mps2 if estimate is None else estimate.accel_mps2
+        slowing = Stretch(now_s, here, speed, -accel)
+        stand = Stretch(now_s + speed / accel, here.offset(speed**2 / (2.0 * accel)), 0.0)
+        stopping = Forecast((slowing, stand), here, now_s + STANDING_S, speed)
+        return cruising(now_s, here, speed), stopping
 
     def _believed(self, leg: LegEstimate) -> tuple[Pose, float]:
         """Return the leg's line and speed: a young leg is weighed against what was expected.

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import enum
 import math
+from dataclasses import replace
 
 import numpy as np
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -20,6 +21,8 @@ from sar_sim.scenario import Uav, Wind
 from sar_sim.uav import UavLimits, UavState, ground_motion, step
 
 Point = tuple[float, float]
+OSCILLATION_LOSS = 0.4
+TURN_RADIUS_M = 300.0
 
 
 class FlightMode(enum.IntEnum):
@@ -81,6 +84,8 @@ class SimAutopilot:
         self._route: list[Point] = [self._home, (far.x_m, far.y_m)]
         self._leg = 0
         self._circle: Point | None = None
+        self._owed_m = 0.0
+        self._oscillating = False
 
     @property
     def motion(self) -> Motion:
@@ -120,19 +125,37 @@ class SimAutopilot:
         x, y, _ = self._datum.to_local(item.latitude_e7 / 1e7, item.longitude_e7 / 1e7)
         return x, y
 
+    def owe(self, extra_m: float) -> None:
+        """From the next turn on, fly this much farther than is made good [m]."""
+        self._owed_m = extra_m
+        self._oscillating = False
+
+    def _made_good(self, dt_s: float) -> float:
+        """Return how long it would take to fly what is made good of ``dt_s`` [s]."""
+        if self._owed_m <= 0.0:
+            return dt_s
+        turning = abs(self.state.turn_rate_radps) * TURN_RADIUS_M > self.state.airspeed_mps
+        self._oscillating = self._oscillating or turning
+        if not self._oscillating:
+            return dt_s
+        self._owed_m -= OSCILLATION_LOSS * self.state.airspeed_mps * dt_s
+        return (1.0 - OSCILLATION_LOSS) * dt_s
+
     def step(self, dt_s: float) -> None:
         """Fly for ``dt_s`` [s]."""
         if self._circle is None:
             self._advance_leg()
         rate = self._follow_circle() if self._circle is not None else self._follow_route()
-        self.state = step(
+        time_s = self.state.time_s + dt_s
+        moved = step(
             self.state,
-            dt_s,
+            self._made_good(dt_s),
             turn_rate_radps=rate,
             airspeed_mps=self.airspeed_mps,
             limits=self._limits,
             wind_mps=self._wind,
         )
+        self.state = replace(moved, time_s=time_s)
 
     def _advance_leg(self) -> None:
         """Pass on to the next leg once its end is behind; then loiter or go home."""

@@ -73,20 +73,22 @@ def _squares(xy_m: FloatArray, half_m: float) -> list[Polygon]:
 
 def ideal_tracks(
     corners_xy: FloatArray, *, spacing_m: float, turn_side: int
-) -> tuple[FloatArray, FloatArray]:
-    """Return the ideal formation's tracks with sharp corners, both shape (n, 2) [m].
+) -> tuple[FloatArray, ...]:
+    """Return the ideal formation's tracks with sharp corners, each of shape (n, 2) [m].
 
-    ``corners_xy``: the helicopter's start, corners and end. The UAV flies ``spacing_m`` inside.
+    ``corners_xy``: the helicopter's start, corners and end. The UAV flies ``spacing_m`` inside; its
+    track is in several parts where the pattern crosses itself.
     """
     line = LineString(corners_xy)
     inner = line.offset_curve(-turn_side * spacing_m, join_style="mitre", mitre_limit=10.0)
-    return np.asarray(line.coords), np.asarray(inner.coords)
+    parts = [part for part in getattr(inner, "geoms", [inner]) if not part.is_empty]
+    return (np.asarray(line.coords), *(np.asarray(part.coords) for part in parts))
 
 
 def measure(
     helicopter_xy: FloatArray,
     uav_xy: FloatArray,
-    ideal: tuple[FloatArray, FloatArray],
+    ideal: tuple[FloatArray, ...],
     *,
     radius_m: float,
     footprint: str,

@@ -17,12 +17,21 @@ from matplotlib.path import Path as Outline
 from matplotlib.ticker import MaxNLocator
 from shapely.geometry.base import BaseGeometry
 
-from sar_sim.coverage import Coverage, swath
+from sar_sim.coverage import Coverage, FloatArray, swath
 from sar_sim.flight_data import FlightData
 from sar_sim.scenario import Sensor
 
 HELICOPTER, UAV, PLAN, GAP = "#c1440e", "#0b5394", "#2a9d8f", "#d62828"
-RULE_MARKERS = {"T1": "s", "T2": "D", "T3": "o", "T4": "^"}
+RULE_MARKERS = {
+    "T1": "s",
+    "T2": "D",
+    "T3": "o",
+    "T4": "^",
+    "D1": "s",
+    "D2": "o",
+    "D3": "^",
+    "RJ": "x",
+}
 
 
 def _fill(axes: Axes, shape: BaseGeometry, colour: str, alpha: float, label: str = "") -> None:
@@ -147,3 +156,39 @@ def draw_lag(metrics: dict[str, Any], out: Path) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.legend(loc="best", fontsize=9)
     figure.savefig(out, dpi=110)
+
+
+def draw_lags(missions: list[tuple[float, ...]], title: str, path: Path) -> None:
+    """Draw L(k) of many missions against the corner."""
+    figure = Figure(figsize=(8.0, 4.5), layout="constrained")
+    axes = figure.subplots()
+    for lags in missions:
+        axes.plot(range(1, len(lags) + 1), lags, color=UAV, alpha=0.35, marker=".", linewidth=0.9)
+    axes.axhline(0.0, color="black", linewidth=0.8)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set(xlabel="corner k", ylabel="L(k) [m]", title=f"{title}: {len(missions)} missions")
+    axes.grid(alpha=0.3)
+    figure.savefig(path, dpi=110)
+
+
+def draw_rules(series: dict[str, dict[str, FloatArray]], separation_m: float, path: Path) -> None:
+    """Draw L(k+1) and the closest approach against L(k) for several rule sets, side by side.
+
+    ``series``: by rule set, arrays ``lag``, ``next``, ``closest``, each of shape (n,) [m].
+    """
+    figure = Figure(figsize=(11.0, 7.0), layout="constrained")
+    axes = figure.subplots(2, len(series), sharex=True, sharey="row", squeeze=False)
+    for column, (name, values) in enumerate(series.items()):
+        upper, lower = axes[0][column], axes[1][column]
+        upper.plot(values["lag"], values["next"], color=UAV, linewidth=1.6)
+        upper.axhline(0.0, color="black", linewidth=0.8)
+        upper.set_title(f"rules {name}")
+        lower.plot(values["lag"], values["closest"], color=HELICOPTER, linewidth=1.6)
+        lower.axhline(separation_m, color="black", linewidth=0.8, linestyle="--")
+        lower.set(xlabel="L(k) [m]")
+        for panel in (upper, lower):
+            panel.grid(alpha=0.3)
+    axes[0][0].set_ylabel("L(k+1) [m]")
+    axes[1][0].set_ylabel("closest approach [m]")
+    axes[1][0].set_ylim(0.0, None)
+    figure.savefig(path, dpi=110)

@@ -16,6 +16,9 @@ from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
 from sar_sim.scenario import Pattern, Pilot
 
+BROKEN_OFF_FACTOR = 1.6
+BROKEN_OFF_S = 120.0
+
 
 @dataclass(frozen=True, slots=True)
 class CornerTruth:
@@ -86,33 +89,55 @@ class PatternHelicopter:
         entry_accel = accel_mps2
         lengths = leg_lengths_m(pattern)
         for i, length in enumerate(lengths):
+            k = i + 1
+            odd = pilot.odd_action if k == pilot.odd_corner else ""
             speed = speed_mps + pilot.speed_sigma_mps * rng.standard_normal()
             accel = accel_mps2 * math.exp(pilot.accel_spread * rng.standard_normal())
             shift = pilot.corner_sigma_m * rng.standard_normal()
+            end_speed = speed + pilot.speed_drift_mps * rng.uniform(-1.0, 1.0)
+            turn = math.radians(90.0 + pilot.turn_spread_deg * rng.uniform(-1.0, 1.0))
+            hover = pilot.hover_s + pilot.hover_spread_s * rng.uniform()
             last = i == len(lengths) - 1
             speeding = 0.0 if i == 0 else speed**2 / (2.0 * entry_accel)
-            slowing = 0.0 if last else speed**2 / (2.0 * accel)
+            slowing = 0.0 if last else end_speed**2 / (2.0 * accel)
             cruise = length + (0.0 if last else shift) - speeding - slowing
             if cruise < 0.0:
                 raise ValueError(
-                    f"leg {i + 1} of {length:.0f} m: expected at least {speeding + slowing:.0f} m "
+                    f"leg {k} of {length:.0f} m: expected at least {speeding + slowing:.0f} m "
                     "to reach cruise speed and stop"
                 )
             if i > 0:
                 self._add(0.0, entry_accel, speed / entry_accel)
-            self._add(speed, 0.0, cruise / speed)
+            if odd == "go_on":
+                cruise = self._slow_and_go_on(cruise, speed, accel)
+            duration = 2.0 * cruise / (speed + end_speed)
+            self._add(speed, (end_speed - speed) / duration, duration)
             if last:
                 break
             onset_s, onset = self.end_s, self._end
-            self._add(speed, -accel, speed / accel)
+            self._add(end_speed, -accel, end_speed / accel)
             stop = self._end
-            self.corners.append(CornerTruth(i + 1, onset_s, onset, self.end_s, stop, speed, accel))
-            self._add(0.0, 0.0, pilot.hover_s)
-            self._end = Pose(
-                stop.x_m, stop.y_m, stop.heading_rad - pattern.turn_side * math.pi / 2.0
-            )
+            self.corners.append(CornerTruth(k, onset_s, onset, self.end_s, stop, end_speed, accel))
+            self._add(0.0, 0.0, hover)
+            side = -pattern.turn_side if odd == "other_way" else pattern.turn_side
+            if odd == "break_off":
+                self._end = Pose(stop.x_m, stop.y_m, stop.heading_rad - 2.6 * side)
+                self._add(0.0, accel, BROKEN_OFF_FACTOR * speed / accel)
+                self._add(BROKEN_OFF_FACTOR * speed, 0.0, BROKEN_OFF_S)
+                break
+            self._end = Pose(stop.x_m, stop.y_m, stop.heading_rad - side * turn)
             entry_accel = accel
         self._starts = [stretch.start_s for stretch in self._stretches]
+
+    def _slow_and_go_on(self, cruise_m: float, speed_mps: float, accel_mps2: float) -> float:
+        """Fly half of a leg, slow to a third, speed up again; return what is left of it [m]."""
+        low = speed_mps / 3.0
+        ramp_s = (speed_mps - low) / accel_mps2
+        half = 0.5 * cruise_m
+        self._add(speed_mps, 0.0, half / speed_mps)
+        self._add(speed_mps, -accel_mps2, ramp_s)
+        self._add(low, accel_mps2, ramp_s)
+        return max(speed_mps, half - (speed_mps + low) * ramp_s)
 
     def _add(self, speed_mps: float, accel_mps2: float, duration_s: float) -> None:
         if duration_s <= 0.0:

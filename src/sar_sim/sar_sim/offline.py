@@ -125,13 +125,20 @@ class OfflineFlight:
         """The mission's clock [s]."""
         return self.world.epoch_s + self.world.time_s
 
-    def run(self, progress: Callable[[Progress], None] | None = None) -> None:
-        """Fly to the end; ``progress`` is told once a simulated second."""
+    def run(
+        self,
+        progress: Callable[[Progress], None] | None = None,
+        *,
+        observe: Callable[[World], None] | None = None,
+    ) -> None:
+        """Fly to the end; ``progress`` is told once a simulated second, ``observe`` every step."""
         self._write(topics.DATUM, datum_message(self.world.datum, self.now_s))
         self._write(topics.MISSION, mission_message(self.planner))
         self._write(topics.SCENARIO, text_message(scenario_text(self.world.scenario)))
         while not self.world.finished:
             self._step()
+            if observe is not None:
+                observe(self.world)
             if progress is not None and self._steps % (STEPS_PER_TICK * TICKS_PER_STATUS) == 0:
                 progress(self.progress())
 

@@ -59,6 +59,7 @@ def scenario_from(args: argparse.Namespace) -> Scenario:
             scenario,
             gps=replace(scenario.gps, seed=args.seed),
             pilot=replace(scenario.pilot, seed=args.seed),
+            uav=replace(scenario.uav, seed=args.seed),
         )
     if args.lag is not None:
         scenario = replace(scenario, uav=replace(scenario.uav, lag_m=args.lag))

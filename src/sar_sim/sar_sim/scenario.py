@@ -12,6 +12,8 @@ import yaml
 from sar_estimator.geodesy import Datum
 from sar_planner.parameters import CornerParameters
 
+ODD_ACTIONS = ("other_way", "go_on", "break_off")
+
 
 class ScenarioError(ValueError):
     """A scenario that cannot be flown; the message names file, key, value and expectation."""
@@ -53,14 +55,23 @@ class Pattern:
 class Pilot:
     """How the pilot departs from the model: drawn leg by leg from the seed.
 
-    ``speed_sigma_mps`` on each leg's speed, ``accel_spread`` (relative) on each corner's
-    acceleration, ``corner_sigma_m`` on where he turns, ``hover_s`` in every corner.
+    ``speed_sigma_mps`` on each leg's speed, ``speed_drift_mps`` by how much it may drift along a
+    leg, ``accel_spread`` (relative) on each corner's acceleration, ``corner_sigma_m`` on where he
+    turns, ``turn_spread_deg`` by how much the angle may differ from 90 degrees, ``hover_s`` in
+    every corner and up to ``hover_spread_s`` more. At corner ``odd_corner`` (from 1, 0 for none) he
+    does ``odd_action``: other_way (turns to the other side), go_on (has slowed to a third half-way
+    down the leg before, and gone on), break_off (flies away from the pattern, faster, for good).
     """
 
     speed_sigma_mps: float = 0.0
     accel_spread: float = 0.0
     corner_sigma_m: float = 0.0
     hover_s: float = 0.0
+    hover_spread_s: float = 0.0
+    turn_spread_deg: float = 0.0
+    speed_drift_mps: float = 0.0
+    odd_corner: int = 0
+    odd_action: str = "go_on"
     seed: int = 1
 
 
@@ -79,8 +90,11 @@ class Gps:
 class Uav:
     """The unmanned aeroplane: where it starts and how it flies.
 
-    ``lag_m``: L(1). ``min_radius_m``: tightest turn at cruise speed. ``roll_lag_s``: time constant
-    of the turn rate, 0 for none. ``lookahead_m``: of the path follower.
+    ``extra_path_min_m``, ``extra_path_max_m``: at every corner, from its first turn on, the UAV
+    oscillates about its path, until it has flown so much more than it made good (drawn evenly from
+    ``seed``): the error of the paper's hardware-in-the-loop runs. ``lag_m``: L(1).
+    ``min_radius_m``: tightest turn at cruise speed. ``roll_lag_s``: time constant of the turn rate,
+    0 for none. ``lookahead_m``: of the path follower.
     """
 
     lag_m: float = 800.0
@@ -89,6 +103,9 @@ class Uav:
     roll_lag_s: float = 0.0
     lookahead_m: float = 8.0
     loiter_radius_m: float = 80.0
+    extra_path_min_m: float = 0.0
+    extra_path_max_m: float = 0.0
+    seed: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +157,12 @@ class Scenario:
             "1 (right) or -1 (left)",
             ok=self.pattern.turn_side in (1, -1),
         )
+        _expect(
+            "pilot.odd_action",
+            self.pilot.odd_action,
+            f"one of {', '.join(ODD_ACTIONS)}",
+            ok=self.pilot.odd_action in ODD_ACTIONS,
+        )
         _expect("pattern.corners", self.pattern.corners, "1 or more", ok=self.pattern.corners >= 1)
         _expect("gps.rate_hz", self.gps.rate_hz, "0.5 to 10", ok=0.5 <= self.gps.rate_hz <= 10.0)
         _expect(
@@ -153,6 +176,12 @@ class Scenario:
             self.uav.min_radius_m,
             "not more than corner.turn_radius_m",
             ok=0.0 < self.uav.min_radius_m <= self.corner.turn_radius_m,
+        )
+        _expect(
+            "uav.extra_path_max_m",
+            self.uav.extra_path_max_m,
+            "not less than uav.extra_path_min_m",
+            ok=self.uav.extra_path_max_m >= self.uav.extra_path_min_m,
         )
         for group, name in (
             ("sensor", "altitude_m"),
@@ -170,9 +199,14 @@ class Scenario:
             ("pilot", "accel_spread"),
             ("pilot", "corner_sigma_m"),
             ("pilot", "hover_s"),
+            ("pilot", "hover_spread_s"),
+            ("pilot", "turn_spread_deg"),
+            ("pilot", "speed_drift_mps"),
+            ("pilot", "odd_corner"),
             ("gps", "sigma_m"),
             ("gps", "doppler_sigma_mps"),
             ("uav", "roll_lag_s"),
+            ("uav", "extra_path_min_m"),
             ("wind", "speed_mps"),
         ):
             value = getattr(getattr(self, group), name)

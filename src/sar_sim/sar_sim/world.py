@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 from nav_msgs.msg import Odometry
 
 from sar_estimator import topics
@@ -73,6 +74,8 @@ class World:
             altitude_m=scenario.sensor.altitude_m,
         )
         self._steps = 0
+        self._extra = np.random.default_rng(scenario.uav.seed)
+        self._begun_corners = 0
 
     @property
     def time_s(self) -> float:
@@ -92,6 +95,12 @@ class World:
     def step(self) -> list[Reception]:
         """Advance by one step; return what the receiver gave, stamped with the ROS clock."""
         self._steps += 1
+        begun = [corner for corner in self.corners if corner.onset_time_s <= self.time_s]
+        if len(begun) > self._begun_corners:
+            self._begun_corners = len(begun)
+            uav = self.scenario.uav
+            extra = self._extra.uniform(uav.extra_path_min_m, uav.extra_path_max_m)
+            self.autopilot.owe(float(extra))
         self.autopilot.step(STEP_S)
         return [
             replace(item, fix=replace(item.fix, time_s=self._stamp(item.fix)))

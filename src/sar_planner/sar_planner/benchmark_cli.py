@@ -1,0 +1,59 @@
+"""``replan_benchmark``: how long one full replan takes on this machine."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from sar_planner.deadbeat import DeadbeatRules
+from sar_planner.parameters import CornerParameters
+from sar_planner.waypoints import path_waypoints
+
+
+def replan(lag_m: float, lead_m: float, speed_mps: float, accel_mps2: float) -> int:
+    """Choose the rule, check the separation, make the list; return how many waypoints."""
+    nominal = CornerParameters()
+    parameters = replace(nominal, speed_mps=speed_mps, accel_mps2=accel_mps2)
+    rules = DeadbeatRules(parameters)
+    plan = rules.plan(lag_m, lead_m=lead_m, separation_m=nominal.separation_m)
+    return len(path_waypoints(plan.path, 20.0))
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Time it; the lags, lead-ins, speeds and decelerations are drawn from a fixed seed."""
+    parser = argparse.ArgumentParser(prog="replan_benchmark", description=__doc__)
+    parser.add_argument("--count", type=int, default=2000, help="replans")
+    parser.add_argument("--lags", type=float, nargs=2, default=(-150.0, 1000.0), help="of L, m")
+    args = parser.parse_args(argv)
+    rng = np.random.default_rng(1)
+    draws = np.column_stack(
+        (
+            rng.uniform(float(args.lags[0]), float(args.lags[1]), args.count),
+            rng.uniform(0.0, 120.0, args.count),
+            rng.uniform(18.0, 22.0, args.count),
+            rng.uniform(2.0, 3.0, args.count),
+        )
+    )
+    replan(0.0, 0.0, 20.0, 2.5)
+    times_ms = []
+    for lag, lead, speed, accel in draws:
+        begun = time.perf_counter()
+        # To find that there is no path takes as long, and counts.
+        with contextlib.suppress(ValueError):
+            replan(lag, lead, speed, accel)
+        times_ms.append(1e3 * (time.perf_counter() - begun))
+    sys.stdout.write(
+        f"{args.count} replans, L from {args.lags[0]:g} to {args.lags[1]:g} m: "
+        f"median {np.median(times_ms):.2f} ms, p99 {np.percentile(times_ms, 99):.2f} ms, "
+        f"max {max(times_ms):.2f} ms\n"
+    )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

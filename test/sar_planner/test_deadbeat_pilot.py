@@ -1,0 +1,172 @@
+"""The closed loop's decisions: corner, correction, rejoin, hold, trim."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sar_estimator.plane import Pose
+from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
+from sar_planner.mission import MissionParameters, MissionPlanner, Mode, UavStatus
+from sar_planner.parameters import CornerParameters
+
+FLYING = UavStatus("AUTO", armed=True, connected=True)
+
+
+def leg(time_s, x=0.0, y=0.0, heading=0.0, speed=20.0):
+    return LegEstimate(time_s, Pose(x, y, heading), speed, 0.3, 0.001, 0.02)
+
+
+def corner(onset_s, **changes):
+    values = {
+        "time_s": onset_s + 4.0,
+        "stop": Pose(80.0, 0.0, 0.0),
+        "stop_time_s": onset_s + 8.0,
+        "speed_mps": 20.0,
+        "accel_mps2": 2.5,
+        "covariance": np.zeros((2, 2)),
+        "heading_sigma_rad": 0.0,
+        "stop_time_sigma_s": 0.0,
+    }
+    return CornerEstimate(**(values | changes))
+
+
+def on_leg(lag, *, beside=0.0, course=0.0, speed=20.0):
+    plan = MissionPlanner(CornerParameters(), MissionParameters())
+    plan.set_status(FLYING)
+    plan.set_helicopter(Motion(100.0, 0.0, 0.0, speed, 0.0))
+    plan.set_uav(
+        Motion(100.0, -lag, -250.0 + beside, 20.0 * math.cos(course), 20.0 * math.sin(course))
+    )
+    plan.set_phase(Phase.CRUISE)
+    plan.set_leg(leg(100.0, speed=speed))
+    assert plan.engage(100.0) == ""
+    return plan
+
+
+@pytest.mark.parametrize(("lag", "speed"), [(0.0, 20.0), (10.0, 21.0), (300.0, 22.0), (-30, 18.0)])
+def test_lag_on_a_leg_is_trimmed_by_speed(lag, speed):
+    plan = on_leg(lag)
+    assert plan.update(100.0).mode == "leg"
+    assert plan.speed_mps == pytest.approx(speed, abs=0.05)
+    assert plan.newly_asked_mps(0.05) == plan.speed_mps
+    assert plan.newly_asked_mps(0.05) is None
+
+
+@pytest.mark.parametrize(
+    "where",
+    [{"lag": -200.0}, {"lag": 0.0, "beside": -300.0}, {"lag": 100.0, "course": 2.0}],
+)
+def test_off_the_slot_it_is_led_back(where):
+    plan = on_leg(**where)
+    listed = plan.update(100.0)
+    assert plan.mode is Mode.REJOIN
+    assert listed.mode == "rejoin"
+    assert listed.points[-1][1] == pytest.approx(-250.0)
+    assert 18.0 - 1e-9 <= plan.speed_mps <= 22.0 + 1e-9
+
+
+def test_corner_is_planned_committed_corrected_and_left():
+    plan = on_leg(0.0)
+    plan.update(100.0)
+    plan.set_phase(Phase.DECELERATING)
+    plan.set_uav(Motion(104.0, 80.0, -250.0, 20.0, 0.0))
+    plan.set_helicopter(Motion(104.0, 60.0, 0.0, 10.0, 0.0))
+    plan.set_corner(corner(100.0))
+    listed = plan.update(104.0)
+    assert listed.mode == "D2"
+    assert plan.active.plan.lag_m == pytest.approx(0.0, abs=1e-6)
+    assert plan.active.plan.turn_start_m >= 110.0
+    path = plan.active.path
+    # The UAV follows, 3 s behind its plan, into the first turn; the helicopter turns as foretold.
+    corrected = None
+    for tenth in range(1, 250):
+        now = 104.0 + 0.1 * tenth
+        flown = path.pose_at(20.0 * (now - 100.0 - (3.0 if tenth > 40 else 0.075 * tenth)))
+        plan.set_uav(
+            Motion(
+                now,
+                flown.x_m,
+                flown.y_m,
+                20.0 * math.cos(flown.heading_rad),
+                20.0 * math.sin(flown.heading_rad),
+            )
+        )
+        plan.set_helicopter(Motion(now, 80.0, 0.0, 0.0, 0.0))
+        corrected = plan.update(now) or corrected
+    assert plan.active.committed
+    assert plan.corrections > 0
+    assert corrected.mode == "D2"
+
+
+def test_new_leg_another_way_is_approached_too():
+    """The pilot turned left instead of right: the slot is on the other side."""
+    plan = on_leg(0.0)
+    plan.set_phase(Phase.DECELERATING)
+    plan.set_corner(corner(100.0))
+    plan.set_uav(Motion(104.0, 80.0, -250.0, 20.0, 0.0))
+    plan.set_helicopter(Motion(104.0, 60.0, 0.0, 10.0, 0.0))
+    plan.update(104.0)
+    plan.set_uav(Motion(118.0, 200.0, -380.0, 0.0, -20.0))
+    plan.set_phase(Phase.STOPPED)
+    plan.set_phase(Phase.ACCELERATING)
+    plan.set_helicopter(Motion(118.0, 80.0, 70.0, 0.0, 18.0))
+    plan.update(118.0)
+    assert plan._pilot.slot.x_m == pytest.approx(330.0)
+    assert math.degrees(plan._pilot.slot.heading_rad) == pytest.approx(90.0)
+
+
+def test_withdrawn_corner_goes_back_to_the_leg():
+    plan = on_leg(300.0)
+    plan.update(100.0)
+    plan.set_phase(Phase.DECELERATING)
+    plan.set_corner(corner(100.0))
+    assert plan.update(104.0) is not None
+    assert plan.mode is Mode.CORNER
+    plan.set_phase(Phase.ACCELERATING)
+    plan.set_helicopter(Motion(105.0, 70.0, 0.0, 15.0, 0.0))
+    plan.set_uav(Motion(105.0, -200.0, -250.0, 20.0, 0.0))
+    assert plan.update(105.0).mode == "leg"
+    assert plan.mode is Mode.LEG
+
+
+def test_helicopter_that_flies_away_is_not_followed():
+    plan = on_leg(0.0, speed=32.0)
+    listed = plan.update(100.0)
+    assert plan.mode is Mode.HOLD
+    assert listed.mode == "hold"
+    assert "helicopter's speed 3" in plan.problem
+    assert plan.update(100.1) is None
+    assert "holding" in plan.problem
+    plan.set_leg(leg(130.0, x=600.0))
+    plan.set_helicopter(Motion(102.0, 40.0, 0.0, 20.0, 0.0))
+    plan.set_uav(Motion(102.0, 40.0, -250.0, 20.0, 0.0))
+    assert plan.update(102.0) is not None
+    assert plan.mode is not Mode.HOLD
+
+
+def test_unknown_leg_keeps_the_list():
+    plan = on_leg(0.0)
+    plan.update(100.0)
+    plan.set_phase(Phase.STOPPED)
+    assert plan.update(100.2) is None
+    assert "leg not known" in plan.problem
+
+
+def test_deceleration_outside_the_rules_is_told():
+    plan = on_leg(0.0)
+    plan.update(100.0)
+    plan.set_corner(corner(100.0, accel_mps2=9.0))
+    listed = plan.update(100.5)
+    assert listed.mode == "hold"
+    assert "deceleration 9.00: the rules expect" in plan.problem
+
+
+def test_old_legs_are_not_believed_after_a_stop():
+    plan = on_leg(0.0)
+    plan.set_corner(corner(100.0))
+    plan.set_leg(replace(leg(101.0), foot=Pose(999.0, 0.0, 0.0)))
+    assert plan.situation.leg.foot.x_m == 0.0
+    plan.set_leg(replace(leg(130.0), foot=Pose(80.0, -100.0, -math.pi / 2)))
+    assert plan.situation.leg.foot.x_m == 80.0

@@ -1,0 +1,72 @@
+"""Rejoining from any pose: the slot is met in time, apart from the helicopter."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sar_estimator.plane import Pose
+from sar_planner.forecast import cornering, cruising, departing
+from sar_planner.rejoin import RejoinTask, rejoin, unhindered_s
+from sar_planner.separation import closest_over_time
+
+LEG = Pose(0.0, 250.0, 0.0)
+FORECASTS = {
+    "cruise": cruising(0.0, LEG, 20.0),
+    "slow": departing(0.0, LEG, 5.0, speed_mps=20.0, accel_mps2=2.5),
+    "corner": cornering(-3.0, Pose(0.0, 250.0, math.pi / 2), speed_mps=20.0, accel_mps2=2.5),
+}
+
+
+def task(start, name="cruise", separation=200.0):
+    return RejoinTask(start, 0.0, (FORECASTS[name],), 100.0, 18.0, 22.0, separation)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.floats(300.0, 1500.0), st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi),
+    st.sampled_from(sorted(FORECASTS)),
+)  # fmt: skip
+def test_any_start_meets_the_slot(distance, bearing, heading, name):
+    forecast = FORECASTS[name]
+    here = forecast.positions([0.0])[0]
+    x, y = here + distance * np.array((math.cos(bearing), math.sin(bearing)))
+    asked = task(Pose(float(x), float(y), heading), name)
+    plan = rejoin(asked)
+    assert plan is not None
+    assert 18.0 - 1e-6 <= plan.speed_mps <= 22.0 + 1e-6
+    slot = forecast.leg.x_m + forecast.along_m(plan.duration_s)
+    assert (plan.path.end.x_m, plan.path.end.y_m) == pytest.approx((slot, 0.0), abs=0.01)
+    assert math.cos(plan.path.end.heading_rad) == pytest.approx(1.0)
+    assert plan.duration_s >= unhindered_s(asked)
+    nearest = closest_over_time(plan.path, forecast, start_s=0.0, speed_mps=plan.speed_mps)
+    if plan.kept:
+        assert nearest.distance_m >= 200.0 - 1e-6
+    assert plan.closest_m <= nearest.distance_m + 1e-6
+
+
+def test_already_there():
+    plan = rejoin(task(Pose(-2.0, 0.0, 0.0)))
+    assert plan.duration_s < 5.0
+    assert plan.path.length_m == pytest.approx(plan.duration_s * plan.speed_mps)
+
+
+def test_behind_on_the_track_flies_straight_and_fast():
+    plan = rejoin(task(Pose(-200.0, 0.0, 0.0)))
+    assert plan.speed_mps == pytest.approx(22.0, abs=0.05)
+    assert plan.duration_s == pytest.approx(100.0, abs=1.0)
+
+
+def test_ahead_on_the_track_weaves_away_from_the_helicopter():
+    plan = rejoin(task(Pose(150.0, 0.0, 0.0)))
+    points = plan.path.sample(5.0)
+    assert points[:, 1].min() < -20.0
+    assert plan.duration_s < 60.0
+
+
+def test_no_room_is_said():
+    plan = rejoin(task(Pose(-150.0, 250.0, 0.0)))
+    assert not plan.kept
+    assert plan.closest_m < 200.0

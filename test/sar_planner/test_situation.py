@@ -1,0 +1,115 @@
+"""What the planner makes of what it is told: the motion to come in every phase."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sar_estimator.plane import Pose
+from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
+from sar_planner.parameters import CornerParameters
+from sar_planner.situation import Situation
+
+
+def estimate(**changes):
+    values = {
+        "time_s": 104.0,
+        "stop": Pose(80.0, 0.0, 0.0),
+        "stop_time_s": 108.0,
+        "speed_mps": 20.0,
+        "accel_mps2": 2.5,
+        "covariance": np.zeros((2, 2)),
+        "heading_sigma_rad": 0.0,
+        "stop_time_sigma_s": 0.0,
+    }
+    return CornerEstimate(**(values | changes))
+
+
+def situation(phase, helicopter, *, side=1, leg=None, corner=None):
+    known = Situation(CornerParameters(), side)
+    known.set_helicopter(helicopter)
+    known.set_phase(phase)
+    if leg is not None:
+        known.set_leg(leg)
+    if corner is not None:
+        known.set_corner(corner)
+    return known
+
+
+def test_nothing_is_foretold_of_a_helicopter_that_is_lost_or_not_understood():
+    assert Situation(CornerParameters(), 1).forecasts(0.0) == ()
+    at_rest = Motion(0.0, 0.0, 0.0, 0.0, 0.0)
+    for phase in Phase:
+        assert situation(phase, at_rest).forecasts(0.0) == ()
+
+
+def test_on_a_leg_it_goes_on_or_stops_at_once():
+    leg = LegEstimate(100.0, Pose(0.0, 0.0, 0.0), 21.0, 0.5, 0.001, 0.05)
+    known = situation(Phase.CRUISE, Motion(100.0, 0.0, 0.0, 21.0, 0.0), leg=leg)
+    going, stopping = known.forecasts(101.0)
+    assert going.positions([111.0])[0] == pytest.approx((21.0 * 11.0, 0.0), abs=2.0)
+    far = stopping.positions([200.0])[0]
+    assert 80.0 < far[0] < 130.0
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_slowing_it_will_turn_to_the_patterns_side(side):
+    known = situation(
+        Phase.DECELERATING, Motion(104.0, 60.0, 0.0, 10.0, 0.0), side=side, corner=estimate()
+    )
+    (forecast,) = known.forecasts(104.0)
+    assert forecast.positions([130.0])[0][1] * side < -100.0
+    assert known.slot_of(forecast.leg).x_m == pytest.approx(80.0 - 250.0)
+
+
+def test_standing_it_has_just_left_or_stands_on():
+    known = situation(Phase.STOPPED, Motion(120.0, 80.0, 0.0, 0.0, 0.0), corner=estimate())
+    leaving, standing = known.forecasts(120.0)
+    assert leaving.positions([117.0])[0] == pytest.approx((80.0, 0.0))
+    assert leaving.positions([140.0])[0][1] < -200.0
+    assert standing.positions([500.0])[0] == pytest.approx((80.0, 0.0))
+
+
+@pytest.mark.parametrize(("turn_deg", "believed"), [(-90, -90), (-60, -60), (90, 90), (-88, -90)])
+def test_speeding_up_it_goes_where_it_is_going(turn_deg, believed):
+    out = math.radians(turn_deg)
+    there = Motion(
+        115.0, 80.0 + 60.0 * math.cos(out), 60.0 * math.sin(out),
+        15.0 * math.cos(out), 15.0 * math.sin(out),
+    )  # fmt: skip
+    known = situation(Phase.ACCELERATING, there, corner=estimate())
+    (forecast,) = known.forecasts(115.0)
+    assert math.degrees(forecast.leg.heading_rad) == pytest.approx(believed, abs=0.01)
+
+
+def test_a_corner_that_was_none_is_forgotten():
+    leg = LegEstimate(100.0, Pose(0.0, 0.0, 0.0), 20.0, 0.5, 0.001, 0.05)
+    known = situation(
+        Phase.DECELERATING, Motion(104.0, 60.0, 0.0, 12.0, 0.0), leg=leg, corner=estimate()
+    )
+    known.set_phase(Phase.ACCELERATING)
+    assert known.went_on
+    (forecast,) = known.forecasts(104.0)
+    assert forecast.leg.heading_rad == pytest.approx(0.0)
+    assert forecast.positions([130.0])[0][0] > 400.0
+
+
+def test_a_young_leg_is_weighed_against_a_right_angle():
+    noisy = LegEstimate(130.0, Pose(82.0, -200.0, math.radians(-94.0)), 17.0, 3.0, 0.05, 2.0)
+    there = Motion(130.0, 81.0, -200.0, 0.0, -20.0)
+    known = situation(Phase.CRUISE, there, leg=noisy, corner=estimate())
+    forecast = known.forecasts(130.0)[0]
+    assert math.degrees(forecast.leg.heading_rad) == pytest.approx(-91.3, abs=0.6)
+    assert forecast.speed_mps == pytest.approx(19.7, abs=0.1)
+    known.set_leg(LegEstimate(150.0, noisy.foot, 17.0, 0.3, 0.001, 0.05))
+    forecast = known.forecasts(130.0)[0]
+    assert math.degrees(forecast.leg.heading_rad) == pytest.approx(-94.0, abs=0.1)
+    assert forecast.speed_mps == pytest.approx(17.0, abs=0.05)
+
+
+def test_new_corners_are_counted_and_refinements_are_not():
+    known = Situation(CornerParameters(), 1)
+    assert known.set_corner(estimate())
+    assert not known.set_corner(estimate(time_s=105.0))
+    assert known.set_corner(estimate(time_s=204.0, stop_time_s=208.0))
+    assert known.corners_seen == 2

@@ -1,0 +1,56 @@
+"""A human pilot: he hovers, turns otherwise, changes his mind, drifts, breaks off."""
+
+from dataclasses import replace
+
+import pytest
+
+from sar_sim.missions import Observer, fly_once
+from sar_sim.offline import OfflineFlight
+from sar_sim.options import find_scenario
+from sar_sim.scenario import load_scenario
+
+LEAST_M = 200.0
+
+
+def outcome(name):
+    return fly_once(load_scenario(find_scenario(name)), "deadbeat")
+
+
+@pytest.mark.parametrize("name", ["hover", "angles", "drift", "accel"])
+def test_every_corner_otherwise(name):
+    """Apart all the time; and however the corners differ, the lag is taken out again."""
+    flown = outcome(name)
+    assert len(flown.lags_m) == 6
+    assert flown.separation_m >= LEAST_M
+    assert min(abs(lag) for lag in flown.lags_m[1:4]) <= 15.0
+    assert min(abs(lag) for lag in flown.lags_m[3:6]) <= 15.0
+
+
+@pytest.mark.parametrize("name", ["other_way", "go_on"])
+def test_one_corner_otherwise(name):
+    flown = outcome(name)
+    assert flown.separation_m >= LEAST_M
+    # The third corner is the odd one; three normal ones follow.
+    assert abs(flown.lags_m[5]) <= 15.0
+
+
+def test_search_broken_off():
+    flight = OfflineFlight(load_scenario(find_scenario("break_off")))
+    seen = Observer(flight.world)
+    flight.run(observe=seen)
+    assert len(seen.lags_m) == 3
+    assert seen.separation_m >= LEAST_M
+    assert "holding: helicopter's speed" in flight.planner.problem
+    circle = flight.world.autopilot.motion
+    helicopter = flight.world.helicopter.motion(flight.world.time_s)
+    assert abs(helicopter.x_m - circle.x_m) + abs(helicopter.y_m - circle.y_m) > 1500.0
+
+
+def test_extra_path_defeats_the_papers_rules():
+    """300 to 550 m of extra path a corner: the lag never settles (fig. 9), and it is not safe."""
+    scenario = load_scenario(find_scenario("extra_path"))
+    short = replace(scenario, pattern=replace(scenario.pattern, corners=6))
+    flown = fly_once(short, "paper")
+    assert min(flown.lags_m[2:]) > 250.0
+    assert {"T1", "T2"} == set(flown.rules)
+    assert flown.separation_m < 100.0
