@@ -25,6 +25,7 @@ from sar_planner.geometry import FlightPath, FloatArray
 from sar_planner.separation import least_distances_m, sampling_slack_m
 
 STEP_S = 0.5
+BOUND_STEP_S = 0.02
 QUICK = 24
 QUICK_SHARE = 1.1
 CHUNK = 64
@@ -105,12 +106,12 @@ def _latest_s(task: RejoinTask) -> float:
     return far / max(gain, 0.02 * v) + SLACK_S
 
 
-def timed_words(task: RejoinTask) -> tuple[FloatArray, FloatArray]:
+def timed_words(task: RejoinTask, step_s: float = STEP_S) -> tuple[FloatArray, FloatArray]:
     """Return the Dubins words that meet the slot: rows, shape (n, 7), and speeds, shape (n,).
 
-    In order of arrival, one set for every ``STEP_S``.
+    In order of arrival, one set for every ``step_s`` [s].
     """
-    times = np.arange(STEP_S, _latest_s(task), STEP_S)
+    times = np.arange(step_s, _latest_s(task), step_s)
     slot = task.forecast.leg.x_m + np.array(
         [task.forecast.along_m(task.start_s + time) for time in times]
     )
@@ -127,12 +128,12 @@ def unhindered_s(task: RejoinTask) -> float:
 
     Until some Dubins word meets the slot at a speed within the limits, the slot has not come into
     what can be reached: the boundary of the poses that paths of exactly some length reach is made
-    of these words. Rounded down to the grid of ``STEP_S``; infinite when it is never met.
+    of these words. Rounded down to a grid of ``BOUND_STEP_S``; infinite when it is never met.
     """
-    rows, speeds = timed_words(task)
+    rows, speeds = timed_words(task, BOUND_STEP_S)
     if len(rows) == 0:
         return math.inf
-    return float(lengths_m(rows[:1], task.turn_radius_m)[0] / speeds[0]) - STEP_S
+    return float(lengths_m(rows[:1], task.turn_radius_m)[0] / speeds[0]) - BOUND_STEP_S
 
 
 class _Search:
