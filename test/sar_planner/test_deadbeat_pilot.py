@@ -158,9 +158,20 @@ def test_deceleration_outside_the_rules_is_told():
     plan = on_leg(0.0)
     plan.update(100.0)
     plan.set_corner(corner(100.0, accel_mps2=9.0))
+    plan.set_phase(Phase.DECELERATING)
     listed = plan.update(100.5)
-    assert listed.mode == "hold"
+    assert listed.mode == "rejoin"  # the slot of the new leg is still the place to be
     assert "deceleration 9.00: the rules expect" in plan.problem
+    plan.update(100.6)
+    assert "deceleration 9.00" in plan.problem  # told until the next corner
+
+
+def test_a_path_that_is_not_safe_is_told_as_long_as_it_is_flown():
+    plan = on_leg(150.0, beside=250.0)  # right behind the helicopter
+    plan.update(100.0)
+    assert "comes within" in plan.problem
+    plan.update(100.1)
+    assert "comes within" in plan.problem
 
 
 def test_old_legs_are_not_believed_after_a_stop():

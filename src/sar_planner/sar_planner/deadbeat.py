@@ -107,14 +107,14 @@ class DeadbeatRules:
         return Candidates(rule, batch, problem.detours_m(batch) - self._offset_m)
 
     def exact(
-        self, problem: CaptureProblem, lead_m: float, straights: tuple[int, int], target_m: float
+        self, problem: CaptureProblem, lead_m: float, straights: tuple[int, int]
     ) -> PathBatch:
-        """Return the adjustable curves with L(k+1) = target, by these two straights."""
+        """Return the adjustable curves with L(k+1) = 0, by these two straights."""
         batch = problem.solve(
             self._turn_1,
             self._turn_2,
             -1,
-            target_m + self._offset_m,
+            self._offset_m,
             straights=straights,
             lead_m=lead_m,
         )
@@ -182,38 +182,34 @@ class DeadbeatRules:
         *,
         lead_m: float = 0.0,
         separation_m: float,
-        target_m: float = 0.0,
         only: Rule | None = None,
     ) -> CornerPlan:
         """Return the best path for lag L(k) [m], turning no earlier than ``lead_m`` [m].
 
-        ``target_m``: the L(k+1) that the path itself is to leave, 0 but where the UAV is known to
-        fly longer paths than planned. ``only``: this rule, whatever the others can. Raises
-        ``NoPathError`` when no path keeps ``separation_m``.
+        ``only``: this rule, whatever the others can. Raises ``NoPathError`` when no path keeps
+        ``separation_m``.
         """
         problem = self.problem(lag_m)
         lead_m = max(0.0, lead_m)
         cut = self.cut(problem, lead_m)
-        cut_does = (
-            only in (None, Rule.D1) and (np.abs(cut.next_lags_m - target_m) <= CONVERGED_M).any()
-        )
+        cut_does = only in (None, Rule.D1) and (np.abs(cut.next_lags_m) <= CONVERGED_M).any()
         if only in (None, Rule.D2) and not cut_does:
             for straights in ((STRAIGHT_P, STRAIGHT_Y), (STRAIGHT_Y, STRAIGHT_Q)):
-                exact = self.exact(problem, lead_m, straights, target_m)
+                exact = self.exact(problem, lead_m, straights)
                 best = self._shortest_safe(exact, separation_m)
                 if len(best):
                     return self._corner_plan(Rule.D2, lag_m, self._best_covering(best))
         leads = lead_m + self.parameters.turn_radius_m * LOOP_LEADS
         families = [cut, self.curves(problem, lead_m), self.loops(problem, leads)]
         families = [family for family in families if only in (None, family.rule)]
-        found = self._smallest_safe(families, separation_m, target_m)
+        found = self._smallest_safe(families, separation_m)
         if found is None:
             raise NoPathError(
                 f"L = {lag_m:.1f} m: no path keeps {separation_m:.0f} m of separation"
             )
         rule, path = found
         if rule is Rule.D3:
-            path = self._finer_loop(problem, path, lead_m, separation_m, target_m)
+            path = self._finer_loop(problem, path, lead_m, separation_m)
         return self._corner_plan(rule, lag_m, path)
 
     def _shortest_safe(self, batch: PathBatch, separation_m: float) -> PathBatch:
@@ -238,20 +234,19 @@ class DeadbeatRules:
         path: PathBatch,
         lead_m: float,
         separation_m: float,
-        target_m: float,
     ) -> PathBatch:
         """Return the outside loop with the best lead-in up to the one found."""
         lead, turn = path.rows[0, STRAIGHT_P], path.rows[0, 1:2]
         step = self.parameters.turn_radius_m * float(LOOP_LEADS[1] - LOOP_LEADS[0])
         loops = self.loops(problem, np.linspace(max(lead_m, lead - step), lead, FINER), turn)
-        found = self._smallest_safe([loops], separation_m, target_m)
+        found = self._smallest_safe([loops], separation_m)
         return path if found is None else found[1]
 
     def _smallest_safe(
-        self, families: list[Candidates], separation_m: float, target_m: float
+        self, families: list[Candidates], separation_m: float
     ) -> tuple[Rule, PathBatch] | None:
-        """Return the path with the L(k+1) nearest to the target that keeps the separation."""
-        lags = np.abs(np.concatenate([family.next_lags_m for family in families]) - target_m)
+        """Return the path with the L(k+1) nearest to 0 that keeps the separation."""
+        lags = np.abs(np.concatenate([family.next_lags_m for family in families]))
         rules = [family.rule for family in families for _ in range(len(family.batch))]
         batch = PathBatch.join([family.batch for family in families])
         order = np.argsort(lags, kind="stable")

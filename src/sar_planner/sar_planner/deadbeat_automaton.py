@@ -19,7 +19,6 @@ GRID = 0.04
 COARSE_GRID = 0.16
 EDGE_M = 0.1
 BISECTIONS = 5
-RULES = (Rule.D1, Rule.D2, Rule.D3)
 
 
 @dataclass(frozen=True, slots=True)

@@ -63,6 +63,8 @@ class DeadbeatPilot:
         self.speed_mps: float | None = None
         self.slot: Pose | None = None
         self.corrections = 0
+        self._unsafe = ""
+        self._corner_note = ""
         self._holding = False
         self._planned: CornerEstimate | None = None
         self._done_corner = 0
@@ -118,6 +120,12 @@ class DeadbeatPilot:
     def update(self, now_s: float) -> Listed | None:
         """Return the mode and the waypoints of a new list when one is due."""
         self.problem = ""
+        listed = self._decide(now_s)
+        notes = (self.problem, self._unsafe, self._corner_note)
+        self.problem = "; ".join(note for note in notes if note)
+        return listed
+
+    def _decide(self, now_s: float) -> Listed | None:
         if self.active is not None and not self.active.committed and self._s.went_on:
             self._leave()
         forecasts = self._s.forecasts(now_s)
@@ -161,6 +169,7 @@ class DeadbeatPilot:
         if self.active is not None:
             self._done_corner = self.active.k
         self.active = self.approach = None
+        self._unsafe = ""
         self._holding = True
         self._track.forget()
         ahead = self._s.uav.pose.offset(self._mission.capture_m)
@@ -181,9 +190,10 @@ class DeadbeatPilot:
         self._planned = estimate
         corner = self._corner
         reason = unusable(estimate, corner.speed_mps, corner.accel_mps2, self._mission)
+        self._corner_note = f"corner {k}: {reason}" if reason else ""
         if reason:
             self._done_corner = k
-            return self._hold(f"corner {k}: {reason}")
+            return None
         frame = CornerFrame(estimate.stop, self._mission.turn_side)
         plan = self._rule_plan(estimate, frame, now_s)
         if plan is None:
@@ -308,6 +318,7 @@ class DeadbeatPilot:
         self.approach = approach
         self.speed_mps = approach.speed_mps
         self._followed_s = now_s
+        self._unsafe = ""
 
     def _faster(self, path_m: float, lag_m: float, speed_mps: float) -> float:
         """Return the speed that takes a lag out along a path, no more than the trim above V."""
@@ -324,6 +335,7 @@ class DeadbeatPilot:
             if self.active.committed:
                 self.good.learn()
         self.active = self.approach = None
+        self._unsafe = ""
         self._track.forget()
 
     # Approaches --------------------------------------------------------------------------------
@@ -472,7 +484,7 @@ class DeadbeatPilot:
             nearest = widest[1]
             self._begin(Approach(frame, widest[0], search.start_s, forecasts[0].speed_mps), now_s)
             listed = str(Mode.REJOIN), self._points(frame.path_to_map(widest[0]), 0.0)
-        self.problem = f"no safe path: comes within {nearest:.0f} m of the helicopter"
+        self._unsafe = f"no safe path: comes within {nearest:.0f} m of the helicopter"
         return listed
 
     def _rejoin(self, now_s: float, forecasts: tuple[Forecast, ...]) -> Listed | None:
@@ -482,9 +494,10 @@ class DeadbeatPilot:
         if plan is None:
             self.problem = "no path back to the slot"
             return None
-        if not plan.kept:
-            self.problem = f"rejoining comes within {plan.closest_m:.0f} m of the helicopter"
-        return self._take_rejoin(plan, now_s, self._s.slot_frame(forecasts[0].leg))
+        listed = self._take_rejoin(plan, now_s, self._s.slot_frame(forecasts[0].leg))
+        if plan.closest_m < self._corner.separation_m:
+            self._unsafe = f"rejoining comes within {plan.closest_m:.0f} m of the helicopter"
+        return listed
 
     def _rejoin_plan(self, now_s: float, forecasts: tuple[Forecast, ...]) -> RejoinPlan | None:
         frame = self._s.slot_frame(forecasts[0].leg)
