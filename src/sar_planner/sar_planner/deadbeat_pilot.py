@@ -158,8 +158,9 @@ class DeadbeatPilot:
 
     @property
     def _share(self) -> float:
-        """What is made good of the UAV's speed on the path being flown."""
-        return self.good.now if self.active is not None else 1.0
+        """What is made good of the UAV's speed on the path being flown; rejoining, all of it."""
+        by_rule = self.active is not None and self.active.plan.rule is not Rule.RJ
+        return self.good.now if by_rule else 1.0
 
     def _hold(self, reason: str) -> Listed | None:
         """Keep out of the way: the list ends ahead, where the bridge lets the UAV circle."""
@@ -509,8 +510,8 @@ class DeadbeatPilot:
             start_s,
             tuple(forecast.in_frame(frame) for forecast in forecasts),
             self._corner.turn_radius_m,
-            v * (1.0 - trim) * self._share,
-            v * (1.0 + trim) * self._share,
+            v * (1.0 - trim),
+            v * (1.0 + trim),
             wide,
         )
         plan = rejoin(task)
@@ -521,8 +522,7 @@ class DeadbeatPilot:
 
     def _take_rejoin(self, plan: RejoinPlan, now_s: float, frame: CornerFrame) -> Listed:
         start_s = now_s + self._mission.reaction_s
-        speed = plan.speed_mps / self._share
-        self._begin(Approach(frame, plan.path, start_s, speed), now_s)
+        self._begin(Approach(frame, plan.path, start_s, plan.speed_mps), now_s)
         self._track.forget()
         self.good.cancel()
         return str(Mode.REJOIN), self._points(frame.path_to_map(plan.path), 0.0)
