@@ -42,8 +42,8 @@ CONVERGED_M = 0.5
 MAX_STRAIGHT_SPACINGS = 2.4
 MAX_STRAIGHT_SHARE = 2.6
 COVERED_SPACINGS = 2.5
-COMPARED = 8
-CHUNK = 24
+COMPARED = 6
+CHUNK = 16
 FINER = 16
 
 
@@ -196,7 +196,7 @@ class DeadbeatRules:
         if only in (None, Rule.D2) and not cut_does:
             for straights in ((STRAIGHT_P, STRAIGHT_Y), (STRAIGHT_Y, STRAIGHT_Q)):
                 exact = self.exact(problem, lead_m, straights)
-                best = self._shortest_safe(exact, separation_m)
+                best = self._worth_comparing(exact, separation_m)
                 if len(best):
                     return self._corner_plan(Rule.D2, lag_m, self._best_covering(best))
         leads = lead_m + self.parameters.turn_radius_m * LOOP_LEADS
@@ -212,17 +212,25 @@ class DeadbeatRules:
             path = self._finer_loop(problem, path, lead_m, separation_m)
         return self._corner_plan(rule, lag_m, path)
 
-    def _shortest_safe(self, batch: PathBatch, separation_m: float) -> PathBatch:
-        """Return the shortest paths, at most ``COMPARED``, that keep the separation."""
-        order = np.argsort(batch.lengths_m, kind="stable")
-        found: list[int] = []
-        for begin in range(0, len(order), CHUNK):
-            chosen = order[begin : begin + CHUNK]
-            safe = self.distances_m(batch.take(chosen)) >= separation_m
-            found += chosen[safe].tolist()
-            if len(found) >= COMPARED:
-                break
-        return batch.take(found[:COMPARED])
+    def _worth_comparing(self, batch: PathBatch, separation_m: float) -> PathBatch:
+        """Return some paths that keep the separation, in order of length.
+
+        The shortest ones, and those that stay on the old slot track the longest: the first settle
+        soonest, the others leave the least of the corner out.
+        """
+        found: set[int] = set()
+        for cost in (batch.lengths_m, -batch.rows[:, STRAIGHT_P]):
+            order = np.argsort(cost, kind="stable")
+            kept: list[int] = []
+            for begin in range(0, len(order), CHUNK):
+                chosen = order[begin : begin + CHUNK]
+                safe = self.distances_m(batch.take(chosen)) >= separation_m
+                kept += chosen[safe].tolist()
+                if len(kept) >= COMPARED:
+                    break
+            found.update(kept[:COMPARED])
+        chosen = np.array(sorted(found), dtype=np.intp)
+        return batch.take(chosen[np.argsort(batch.lengths_m[chosen], kind="stable")])
 
     def _best_covering(self, batch: PathBatch) -> PathBatch:
         """Return the path, of some in order of length, with the best coverage."""
