@@ -42,8 +42,8 @@ CONVERGED_M = 0.5
 MAX_STRAIGHT_SPACINGS = 2.4
 MAX_STRAIGHT_SHARE = 2.6
 COVERED_SPACINGS = 2.5
-COMPARED = 6
-CHUNK = 16
+COMPARED = 5
+CHUNK = 32
 FINER = 16
 
 
@@ -168,7 +168,8 @@ class DeadbeatRules:
         square = (
             np.square(points).sum(axis=1)[:, None]
             + np.square(cells).sum(axis=1)[None, :]
-            - 2.0 * points @ cells.T
+            - 2.0 * np.multiply.outer(points[:, 0], cells[:, 0])
+            - 2.0 * np.multiply.outer(points[:, 1], cells[:, 1])
         )
         near = (square <= (0.5 * d) ** 2).reshape(len(batch), len(distances), -1).any(axis=1)
         before = cells[:, 1] <= batch.start.y_m
@@ -218,19 +219,18 @@ class DeadbeatRules:
         The shortest ones, and those that stay on the old slot track the longest: the first settle
         soonest, the others leave the least of the corner out.
         """
-        found: set[int] = set()
-        for cost in (batch.lengths_m, -batch.rows[:, STRAIGHT_P]):
-            order = np.argsort(cost, kind="stable")
-            kept: list[int] = []
-            for begin in range(0, len(order), CHUNK):
-                chosen = order[begin : begin + CHUNK]
-                safe = self.distances_m(batch.take(chosen)) >= separation_m
-                kept += chosen[safe].tolist()
-                if len(kept) >= COMPARED:
-                    break
-            found.update(kept[:COMPARED])
-        chosen = np.array(sorted(found), dtype=np.intp)
-        return batch.take(chosen[np.argsort(batch.lengths_m[chosen], kind="stable")])
+        by_lead = np.argsort(-batch.rows[:, STRAIGHT_P], kind="stable")
+        by_lead = by_lead[:: math.ceil(len(batch) / CHUNK) or 1]
+        found = by_lead[self.distances_m(batch.take(by_lead)) >= separation_m][:COMPARED].tolist()
+        by_length = np.argsort(batch.lengths_m, kind="stable")
+        for begin in range(0, len(by_length), CHUNK):
+            chosen = by_length[begin : begin + CHUNK]
+            safe = chosen[self.distances_m(batch.take(chosen)) >= separation_m]
+            found += safe[:COMPARED].tolist()
+            if len(safe) or len(found) >= COMPARED:
+                break
+        unique = np.array(sorted(set(found)), dtype=np.intp)
+        return batch.take(unique[np.argsort(batch.lengths_m[unique], kind="stable")])
 
     def _best_covering(self, batch: PathBatch) -> PathBatch:
         """Return the path, of some in order of length, with the best coverage."""
