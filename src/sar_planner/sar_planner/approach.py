@@ -22,7 +22,7 @@ from sar_planner.captures import (
 )
 from sar_planner.forecast import Forecast
 from sar_planner.geometry import Arc, CornerFrame, FlightPath, FloatArray, Straight
-from sar_planner.separation import least_distances_m, sampling_slack_m
+from sar_planner.separation import least_of_all_m, sampling_slack_m
 
 PAIRS = ((STRAIGHT_Y, STRAIGHT_Q), (STRAIGHT_P, STRAIGHT_Y), (STRAIGHT_P, STRAIGHT_Q))
 BACK_M = 15.0
@@ -49,7 +49,6 @@ class Approach:
     path: FlightPath
     begun_s: float
     speed_mps: float
-
     flown_m: float = 0.0
 
     def followed(self, uav: Pose, moved_m: float) -> Approach:
@@ -70,7 +69,7 @@ def total_turn_rad(path: FlightPath) -> float:
 def final_lag_m(path: FlightPath, forecast: Forecast, *, start_s: float, speed_mps: float) -> float:
     """Return the lag on the slot [m] after a path begun at ``start_s``, at equal speeds then."""
     arrival_s = start_s + path.length_m / speed_mps
-    return forecast.leg.x_m + forecast.along_m(arrival_s) - path.end.x_m
+    return forecast.slot_x_m(arrival_s) - path.end.x_m
 
 
 def row_of(path: FlightPath) -> FloatArray | None:
@@ -111,18 +110,13 @@ class Recapture:
 
     @property
     def _detour_m(self) -> float:
-        forecast = self.forecasts[0]
-        slot = forecast.leg.x_m + forecast.along_m(self.start_s)
-        return self.start.x_m - slot
+        return self.start.x_m - self.forecasts[0].slot_x_m(self.start_s)
 
     def distances_m(self, batch: PathBatch) -> FloatArray:
         """Return least distances to the helicopter [m], none more than the true ones."""
-        least = np.full(len(batch), math.inf)
-        for forecast in self.forecasts:
-            sampled = least_distances_m(
-                batch, forecast, start_s=self.start_s, speeds_mps=self.speed_mps
-            )
-            least = np.minimum(least, sampled)
+        least = least_of_all_m(
+            batch, self.forecasts, start_s=self.start_s, speeds_mps=self.speed_mps
+        )
         return least - sampling_slack_m(self.separation_m, self.turn_radius_m)
 
     def _first_kept(

@@ -194,12 +194,8 @@ class CaptureProblem:
         """
         h1, h2, turn_3, lateral, arcs_detour = self._turns(turn_1, turn_2, last_side)
         k = self.slow_factor
-        headings = {
-            STRAIGHT_P: np.full_like(h1, self.start.heading_rad),
-            STRAIGHT_Y: h1,
-            STRAIGHT_Q: h2,
-        }
         h0 = self.start.heading_rad
+        headings = {STRAIGHT_P: np.full_like(h1, h0), STRAIGHT_Y: h1, STRAIGHT_Q: h2}
         want_y = -self.start.y_m - lateral - lead_m * math.sin(h0)
         want_e = detour_m - arcs_detour - lead_m * (self._lead_factor - math.cos(h0))
         first, second = (headings[column] for column in straights)
@@ -208,19 +204,13 @@ class CaptureProblem:
         a21, a22 = factors[straights[0]] - np.cos(first), factors[straights[1]] - np.cos(second)
         det = a11 * a22 - a12 * a21
         safe = np.where(np.abs(det) < SINGULAR, np.inf, det)
-        rows = np.zeros((len(h1), COLUMNS))
-        rows[:, STRAIGHT_P] = lead_m
-        rows[:, straights[0]] += (want_y * a22 - a12 * want_e) / safe
-        rows[:, straights[1]] += (a11 * want_e - a21 * want_y) / safe
-        rows[:, 1], rows[:, 3], rows[:, 5] = turn_1, turn_2, turn_3
-        rows[:, 6] = self.last_turn_rad
-        good = (np.abs(det) >= SINGULAR) & (rows[:, straights[0]] > -1e-9)
-        good &= rows[:, straights[1]] > -1e-9
-        if STRAIGHT_P in straights:
-            good &= rows[:, STRAIGHT_P] >= lead_m - 1e-9
-        rows = rows[good]
-        rows[:, STRAIGHTS] = np.maximum(rows[:, STRAIGHTS], 0.0)
-        return PathBatch(self.start, self.radius_m, rows)
+        solved = ((want_y * a22 - a12 * want_e) / safe, (a11 * want_e - a21 * want_y) / safe)
+        return self._batch(
+            (turn_1, turn_2, turn_3),
+            dict(zip(straights, solved, strict=True)),
+            lead_m,
+            exists=np.abs(det) >= SINGULAR,
+        )
 
     def reach(
         self,
@@ -233,22 +223,36 @@ class CaptureProblem:
     ) -> PathBatch:
         """Return the paths with one straight free, whatever their detour."""
         h1, h2, turn_3, lateral, _ = self._turns(turn_1, turn_2, last_side)
-        heading = {
-            STRAIGHT_P: np.full_like(h1, self.start.heading_rad),
-            STRAIGHT_Y: h1,
-            STRAIGHT_Q: h2,
-        }[straight]
-        sine = np.sin(heading)
-        want = -self.start.y_m - lateral - lead_m * math.sin(self.start.heading_rad)
+        h0 = self.start.heading_rad
+        headings = {STRAIGHT_P: np.full_like(h1, h0), STRAIGHT_Y: h1, STRAIGHT_Q: h2}
+        sine = np.sin(headings[straight])
+        want = -self.start.y_m - lateral - lead_m * math.sin(h0)
         safe = np.where(np.abs(sine) < SINGULAR, np.inf, sine)
-        rows = np.zeros((len(h1), COLUMNS))
+        return self._batch(
+            (turn_1, turn_2, turn_3),
+            {straight: want / safe},
+            lead_m,
+            exists=np.abs(sine) >= SINGULAR,
+        )
+
+    def _batch(
+        self,
+        turns: tuple[FloatArray, FloatArray, FloatArray],
+        solved: dict[int, FloatArray],
+        lead_m: float,
+        *,
+        exists: NDArray[np.bool_],
+    ) -> PathBatch:
+        """Return the paths that exist with none of the straights solved for below its least."""
+        rows = np.zeros((len(exists), COLUMNS))
         rows[:, STRAIGHT_P] = lead_m
-        rows[:, straight] += want / safe
-        rows[:, 1], rows[:, 3], rows[:, 5] = turn_1, turn_2, turn_3
+        rows[:, 1], rows[:, 3], rows[:, 5] = turns
         rows[:, 6] = self.last_turn_rad
-        good = (np.abs(sine) >= SINGULAR) & (rows[:, straight] > -1e-9)
-        if straight == STRAIGHT_P:
-            good &= rows[:, STRAIGHT_P] >= lead_m - 1e-9
+        good = exists
+        for column, length in solved.items():
+            rows[:, column] += length
+            least = lead_m if column == STRAIGHT_P else 0.0
+            good = good & (rows[:, column] >= least - 1e-9)
         rows = rows[good]
         rows[:, STRAIGHTS] = np.maximum(rows[:, STRAIGHTS], 0.0)
         return PathBatch(self.start, self.radius_m, rows)

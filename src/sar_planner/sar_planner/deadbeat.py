@@ -22,16 +22,10 @@ import numpy as np
 
 from sar_estimator.plane import Pose
 from sar_planner.captures import STRAIGHT_P, STRAIGHT_Q, STRAIGHT_Y, CaptureProblem, PathBatch
-from sar_planner.forecast import Forecast
 from sar_planner.geometry import CornerFrame, FloatArray
 from sar_planner.parameters import CornerParameters
-from sar_planner.rules import CornerPlan, NoPathError, Rule
-from sar_planner.separation import (
-    closest_over_time,
-    corner_forecast,
-    least_distances_m,
-    sampling_slack_m,
-)
+from sar_planner.rules import CornerPlan, NoPathError, Rule, next_lag_m
+from sar_planner.separation import corner_forecast, least_distances_m, sampling_slack_m
 
 HALF_PI = math.pi / 2.0
 FIRST_TURNS_RAD = np.radians(np.r_[99.0:150.0:3.0, 150.0:241.0:10.0])
@@ -71,9 +65,8 @@ class DeadbeatRules:
         """
         self.parameters = parameters
         self._made_good = made_good
-        self._forecast: Forecast = corner_forecast(parameters)
         self._frame = slot_frame(parameters)
-        self._slot_forecast = self._forecast.in_frame(self._frame)
+        self._slot_forecast = corner_forecast(parameters).in_frame(self._frame)
         turn_1, slope = np.meshgrid(-FIRST_TURNS_RAD, SLOPES_RAD, indexing="ij")
         first = HALF_PI + turn_1.ravel()
         self._turn_1 = turn_1.ravel()
@@ -271,11 +264,4 @@ class DeadbeatRules:
         path = self._frame.path_to_map(batch.path(0))
         p = self.parameters
         late = (1.0 / self._made_good - 1.0) * (path.length_m - float(batch.rows[0, STRAIGHT_P]))
-        next_lag = path.length_m + late + path.end.y_m - 3.0 * p.stopping_m
-        return CornerPlan(rule, lag_m, next_lag, path, p)
-
-    def closest_m(self, plan: CornerPlan) -> float:
-        """Return the plan's closest approach [m]."""
-        return closest_over_time(
-            plan.path, self._forecast, start_s=0.0, speed_mps=self.parameters.speed_mps
-        ).distance_m
+        return CornerPlan(rule, lag_m, next_lag_m(path, p) + late, path, p)

@@ -10,8 +10,9 @@ from itertools import pairwise
 
 from sar_planner.automaton import Interval, Transition
 from sar_planner.deadbeat import CONVERGED_M, DeadbeatRules
-from sar_planner.parameters import CornerParameters, ParameterError
+from sar_planner.parameters import CornerParameters, ParameterError, expect_positive
 from sar_planner.rules import CornerPlan, NoPathError, Rule
+from sar_planner.separation import closest_approach
 
 LOW, MIDDLE, HIGH = -3.2, 4.6, 5.6
 FEW_CORNERS, MORE_CORNERS = 2, 3
@@ -81,11 +82,7 @@ def check_deadbeat(parameters: CornerParameters) -> None:
     Raises ``ParameterError`` naming the parameter, its value and the bound found by bisection.
     """
     p = parameters
-    for name in ("speed_mps", "turn_radius_m", "accel_mps2", "spacing_m", "separation_m"):
-        value = getattr(p, name)
-        if not (math.isfinite(value) and value > 0.0):
-            shown = "min_separation_m" if name == "separation_m" else name
-            raise ParameterError(f"{shown} = {value}: expected a positive number")
+    expect_positive(p, "speed_mps", "turn_radius_m", "accel_mps2", "spacing_m", "min_separation_m")
     if p.separation_m >= p.spacing_m:
         raise ParameterError(
             f"min_separation_m = {p.separation_m}: expected less than spacing_m = {p.spacing_m}"
@@ -149,7 +146,8 @@ class DeadbeatAutomaton:
     def step(self, lag_m: float) -> Step:
         """Return what happens at one corner begun with lag L [m]."""
         plan = self.plan(lag_m)
-        return Step(lag_m, plan.rule, plan.next_lag_m, self._rules.closest_m(plan))
+        nearest = closest_approach(plan.path, self.parameters)
+        return Step(lag_m, plan.rule, plan.next_lag_m, nearest.distance_m)
 
     @cached_property
     def steps(self) -> list[Step]:

@@ -18,16 +18,21 @@ from sar_estimator.states import CornerEstimate, LegEstimate, Phase
 from sar_planner.approach import Approach, Recapture, final_lag_m, row_of, total_turn_rad
 from sar_planner.deadbeat import CONVERGED_M, DeadbeatRules
 from sar_planner.forecast import Forecast
-from sar_planner.geometry import CornerFrame, FlightPath, FloatArray
-from sar_planner.mission_parameters import ActiveCorner, MissionParameters, Mode, unusable
+from sar_planner.geometry import CornerFrame, FlightPath
+from sar_planner.mission_parameters import (
+    ActiveCorner,
+    MissionParameters,
+    Mode,
+    measured,
+    unusable,
+)
 from sar_planner.parameters import CornerParameters
 from sar_planner.rejoin import RejoinPlan, RejoinTask, rejoin
 from sar_planner.rules import CornerPlan, NoPathError, Rule
 from sar_planner.separation import closest_over_time
 from sar_planner.situation import Situation
-from sar_planner.slot_track import SlotTrack
+from sar_planner.slot_track import Listed, SlotTrack, path_list
 from sar_planner.speed_trim import MadeGood, trimmed_mps
-from sar_planner.waypoints import path_waypoints
 
 ON_TRACK_M = 40.0
 ON_HEADING_RAD = math.radians(25.0)
@@ -41,8 +46,6 @@ WIDER_M = 5.0
 LONGER_SPACINGS = 1.0
 LATE_FACTOR = 2.5
 RETRY_S = 2.0
-
-Listed = tuple[str, FloatArray]
 
 
 class DeadbeatPilot:
@@ -207,27 +210,20 @@ class DeadbeatPilot:
         slot = self._s.slot_frame(forecasts[0].leg)
         path = self.active.path
         flown = self.active.flown_m(now_s)
-        lag = plan.next_lag_m
         self._begin(
             Approach(
                 slot,
                 slot.path_from_map(path),
                 estimate.onset_time_s,
-                self._faster(path.length_m - flown, lag, estimate.speed_mps),
+                self._faster(path.length_m - flown, plan.next_lag_m, estimate.speed_mps),
                 flown,
             ),
             now_s,
         )
         self._commit_when_due(now_s)
-        return str(plan.rule), self._points(
-            path, self.active.flown_m(now_s) + self._mission.reaction_s * uav.speed_mps
+        return str(plan.rule), path_list(
+            path, self._mission, from_m=flown + self._mission.reaction_s * uav.speed_mps
         )
-
-    def _points(self, path: FlightPath, from_m: float) -> FloatArray:
-        """Return the waypoints of a path in the map, and of the slot track beyond."""
-        points = path_waypoints(path, self._mission.arc_spacing_m, from_m=from_m)
-        beyond = path.end.offset(self._mission.horizon_m)
-        return np.vstack((points, (beyond.x_m, beyond.y_m)))
 
     def _rule_plan(
         self, estimate: CornerEstimate, frame: CornerFrame, now_s: float
@@ -239,12 +235,8 @@ class DeadbeatPilot:
         across = pose.y_m + self._corner.spacing_m
         if abs(across) > ON_TRACK_M or abs(pose.heading_rad) > ON_HEADING_RAD:
             return None
-        parameters = replace(
-            self._corner, speed_mps=estimate.speed_mps, accel_mps2=estimate.accel_mps2
-        )
+        parameters, lag = measured(estimate, frame, uav, self._corner)
         rules = DeadbeatRules(parameters, made_good=self.good.share)
-        at_onset = pose.x_m - uav.speed_mps * (uav.time_s - estimate.onset_time_s)
-        lag = -parameters.stopping_m - at_onset
         passed = now_s - estimate.onset_time_s + self._mission.reaction_s
         lead = uav.speed_mps * max(0.0, passed)
         plan = None
@@ -276,12 +268,7 @@ class DeadbeatPilot:
         k = self._s.corners_seen
         uav = self._s.uav
         assert uav is not None
-        pose = frame.to_frame(uav.pose)
-        parameters = replace(
-            self._corner, speed_mps=estimate.speed_mps, accel_mps2=estimate.accel_mps2
-        )
-        run = uav.speed_mps * (uav.time_s - estimate.onset_time_s)
-        lag = -parameters.stopping_m - (pose.x_m - run)
+        parameters, lag = measured(estimate, frame, uav, self._corner)
         path = self.approach.path
         in_map = self.approach.frame.path_to_map(path)
         plan = CornerPlan(
@@ -457,7 +444,7 @@ class DeadbeatPilot:
         )
         self.good.moved()
         name = str(self.active.plan.rule) if self.active is not None else str(Mode.REJOIN)
-        return name, self._points(frame.path_to_map(whole), 0.0)
+        return name, path_list(frame.path_to_map(whole), self._mission)
 
     def _widest(
         self,
@@ -484,7 +471,10 @@ class DeadbeatPilot:
         if widest is not None and widest[1] > kept_m + WIDER_M:
             nearest = widest[1]
             self._begin(Approach(frame, widest[0], search.start_s, forecasts[0].speed_mps), now_s)
-            listed = str(Mode.REJOIN), self._points(frame.path_to_map(widest[0]), 0.0)
+            listed = (
+                str(Mode.REJOIN),
+                path_list(frame.path_to_map(widest[0]), self._mission),
+            )
         self._unsafe = f"no safe path: comes within {nearest:.0f} m of the helicopter"
         return listed
 
@@ -525,7 +515,7 @@ class DeadbeatPilot:
         self._begin(Approach(frame, plan.path, start_s, plan.speed_mps), now_s)
         self._track.forget()
         self.good.cancel()
-        return str(Mode.REJOIN), self._points(frame.path_to_map(plan.path), 0.0)
+        return str(Mode.REJOIN), path_list(frame.path_to_map(plan.path), self._mission)
 
     # Legs --------------------------------------------------------------------------------------
 
@@ -538,7 +528,7 @@ class DeadbeatPilot:
         forecast = forecasts[0]
         frame = self._s.slot_frame(forecast.leg)
         pose = self._uav_in(frame, now_s)
-        lag = frame.to_frame(forecast.leg).x_m + forecast.along_m(now_s) - pose.x_m
+        lag = forecast.in_frame(frame).slot_x_m(now_s) - pose.x_m
         on_slot = self._on_slot(now_s, forecast)
         if (not on_slot or lag < -self._mission.ahead_m) and now_s >= self._retry_s:
             return self._rejoin(now_s, forecasts)

@@ -65,6 +65,10 @@ class Forecast:
         """Return how far along the leg, from ``leg``, the slot is at ``time_s`` [m]."""
         return self.speed_mps * (time_s - self.zero_s)
 
+    def slot_x_m(self, time_s: float) -> float:
+        """Return x [m] of the slot at ``time_s``, for a forecast in the slot's frame."""
+        return self.leg.x_m + self.along_m(time_s)
+
     @property
     def steady_s(self) -> float:
         """The time from which on the helicopter cruises along its last leg [s]."""

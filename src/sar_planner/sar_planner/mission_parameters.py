@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sar_estimator.plane import Pose
-from sar_estimator.states import CornerEstimate
+from sar_estimator.states import CornerEstimate, Motion
 from sar_planner.geometry import CornerFrame, FlightPath
-from sar_planner.parameters import ParameterError
+from sar_planner.parameters import CornerParameters, ParameterError
 from sar_planner.rules import CornerPlan
 
 
@@ -105,6 +105,16 @@ class ActiveCorner:
     def flown_m(self, time_s: float) -> float:
         """Distance along the path at ``time_s``, flown since the onset [m]."""
         return self.uav_speed_mps * (time_s - self.estimate.onset_time_s)
+
+
+def measured(
+    estimate: CornerEstimate, frame: CornerFrame, uav: Motion, nominal: CornerParameters
+) -> tuple[CornerParameters, float]:
+    """Return a corner's parameters as estimated, and L(k) [m], led back to the onset."""
+    parameters = replace(nominal, speed_mps=estimate.speed_mps, accel_mps2=estimate.accel_mps2)
+    since = uav.time_s - estimate.onset_time_s
+    at_onset = frame.to_frame(uav.pose).x_m - uav.speed_mps * since
+    return parameters, -parameters.stopping_m - at_onset
 
 
 def unusable(

@@ -5,24 +5,25 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import numpy as np
-
 from sar_estimator.plane import Pose, wrap_angle
 from sar_estimator.states import CornerEstimate, LegEstimate, Phase
 from sar_planner.automaton import PaperAutomaton
-from sar_planner.geometry import CornerFrame, FloatArray
-from sar_planner.mission_parameters import ActiveCorner, MissionParameters, Mode, unusable
+from sar_planner.geometry import CornerFrame
+from sar_planner.mission_parameters import (
+    ActiveCorner,
+    MissionParameters,
+    Mode,
+    measured,
+    unusable,
+)
 from sar_planner.parameters import CornerParameters
 from sar_planner.rules import CornerPlan
 from sar_planner.situation import Situation
-from sar_planner.slot_track import SlotTrack
-from sar_planner.waypoints import path_waypoints
+from sar_planner.slot_track import Listed, SlotTrack, path_list
 
 ON_TRACK_M = 60.0
 ON_HEADING_RAD = math.radians(25.0)
 LATE_FACTOR = 1.5
-
-Listed = tuple[str, FloatArray]
 
 
 class PaperPilot:
@@ -157,11 +158,8 @@ class PaperPilot:
         speed = self._s.uav.speed_mps
         first_stop = self.active.first_stop if again and self.active else estimate.stop
         self.active = ActiveCorner(k, estimate, frame, plan, first_stop, speed)
-        path = self.active.path
         begin = self.active.flown_m(now_s) + self._mission.reaction_s * speed
-        points = path_waypoints(path, self._mission.arc_spacing_m, from_m=begin)
-        beyond = path.end.offset(self._mission.horizon_m)
-        return str(plan.rule), np.vstack((points, (beyond.x_m, beyond.y_m)))
+        return str(plan.rule), path_list(self.active.path, self._mission, from_m=begin)
 
     def _off_slot(self, frame: CornerFrame) -> str:
         """Return why the UAV is not where the rules take it to be: on the old leg's slot track."""
@@ -179,12 +177,7 @@ class PaperPilot:
         """Measure L(k), pick the rule and make its path from what the UAV can still do."""
         uav = self._s.uav
         assert uav is not None
-        parameters = replace(
-            self._corner, speed_mps=estimate.speed_mps, accel_mps2=estimate.accel_mps2
-        )
-        since = uav.time_s - estimate.onset_time_s
-        at_onset = frame.to_frame(uav.pose).x_m - uav.speed_mps * since
-        lag = -parameters.stopping_m - at_onset
+        parameters, lag = measured(estimate, frame, uav, self._corner)
         passed = now_s - estimate.onset_time_s + self._mission.reaction_s
         rules = PaperAutomaton(parameters, enforce=False)
         return rules.plan(lag, lead_m=uav.speed_mps * max(0.0, passed))

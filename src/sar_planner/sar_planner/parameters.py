@@ -73,16 +73,21 @@ def clearance_times_s(p: CornerParameters) -> tuple[float, float]:
     return base + r * (1.0 - math.pi) / v, base - r * math.pi / (2.0 * v)
 
 
+def expect_positive(p: CornerParameters, *names: str) -> None:
+    """Raise ``ParameterError`` naming the first parameter that is set and not above 0."""
+    for name in names:
+        value = getattr(p, name)
+        if value is not None and not (math.isfinite(value) and value > 0.0):
+            raise ParameterError(f"{name} = {value}: expected a positive number")
+
+
 def check(p: CornerParameters) -> None:
     """Refuse parameters for which the four rules are undefined or break their own conditions.
 
     Raises ``ParameterError`` naming the parameter, its value and the bound: (11), (12) with its
     relation sign corrected, (13) with the exact minima, and what the rules' geometry needs.
     """
-    for name in ("speed_mps", "turn_radius_m", "accel_mps2", "spacing_m", "min_clearance_s"):
-        value = getattr(p, name)
-        if not (math.isfinite(value) and value > 0.0):
-            raise ParameterError(f"{name} = {value}: expected a positive number")
+    expect_positive(p, "speed_mps", "turn_radius_m", "accel_mps2", "spacing_m", "min_clearance_s")
     if not 0.0 < p.convergence < 1.0:
         raise ParameterError(f"convergence = {p.convergence}: expected 0 < c < 1")
     if p.taylor_y_m is not None and not p.taylor_y_m > 0.0:

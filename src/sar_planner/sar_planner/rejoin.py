@@ -22,7 +22,7 @@ from sar_planner.captures import CaptureProblem, PathBatch
 from sar_planner.dubins import lengths_m, words
 from sar_planner.forecast import Forecast
 from sar_planner.geometry import FlightPath, FloatArray
-from sar_planner.separation import least_distances_m, sampling_slack_m
+from sar_planner.separation import least_of_all_m, sampling_slack_m
 
 STEP_S = 0.5
 BOUND_STEP_S = 0.02
@@ -69,7 +69,7 @@ class RejoinTask:
     @property
     def ahead_m(self) -> float:
         """How far ahead of its slot the UAV is now, along the leg [m]."""
-        return self.start.x_m - self.forecast.leg.x_m - self.forecast.along_m(self.start_s)
+        return self.start.x_m - self.forecast.slot_x_m(self.start_s)
 
 
 @dataclass(frozen=True)
@@ -112,9 +112,7 @@ def timed_words(task: RejoinTask, step_s: float = STEP_S) -> tuple[FloatArray, F
     In order of arrival, one set for every ``step_s`` [s].
     """
     times = np.arange(step_s, _latest_s(task), step_s)
-    slot = task.forecast.leg.x_m + np.array(
-        [task.forecast.along_m(task.start_s + time) for time in times]
-    )
+    slot = task.forecast.slot_x_m(task.start_s) + task.forecast.speed_mps * times
     targets = np.column_stack((slot, np.zeros_like(slot), np.zeros_like(slot)))
     rows = words(task.start, targets, task.turn_radius_m)
     speeds = lengths_m(rows, task.turn_radius_m) / times[None, :]
@@ -147,13 +145,9 @@ class _Search:
 
     def distances_m(self, found: _Found) -> FloatArray:
         batch = PathBatch(self.task.start, self.task.turn_radius_m, found.rows)
-        least = np.full(len(batch), math.inf)
-        for forecast in self.task.forecasts:
-            sampled = least_distances_m(
-                batch, forecast, start_s=self.task.start_s, speeds_mps=found.speeds
-            )
-            least = np.minimum(least, sampled)
-        return least
+        return least_of_all_m(
+            batch, self.task.forecasts, start_s=self.task.start_s, speeds_mps=found.speeds
+        )
 
     def first_kept(self, found: _Found, *, before_s: float = math.inf) -> int | None:
         """Return the soonest path that keeps the separation, arriving before ``before_s``."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,6 +68,21 @@ def sampling_slack_m(distance_m: float, radius_m: float) -> float:
     """
     half = 0.5 * SAMPLE_M
     return (2.0 * half) ** 2 / (2.0 * distance_m) + half**2 / radius_m
+
+
+def least_of_all_m(
+    batch: PathBatch,
+    forecasts: Sequence[Forecast],
+    *,
+    start_s: float,
+    speeds_mps: float | FloatArray,
+) -> FloatArray:
+    """Return the least sampled distance on every path, shape (n,) [m], over several forecasts."""
+    least = np.full(len(batch), math.inf)
+    for forecast in forecasts:
+        one = least_distances_m(batch, forecast, start_s=start_s, speeds_mps=speeds_mps)
+        least = np.minimum(least, one)
+    return least
 
 
 def least_distances_m(

@@ -150,7 +150,7 @@ class Situation:
         speed = _weighed(leg.speed_mps, leg.speed_sigma_mps, expected, EXPECTED_SPEED_SIGMA_MPS)
         if estimate is None or self.went_on or leg.time_s < estimate.stop_time_s:
             return leg.foot, speed
-        heading = estimate.stop.heading_rad - self._side * math.pi / 2.0
+        heading = self._right_angle(estimate.stop).heading_rad
         turned = wrap_angle(leg.foot.heading_rad - heading)
         spread = math.hypot(leg.heading_sigma_rad, EXPECTED_HEADING_SIGMA_RAD)
         if abs(turned) > CONTRADICTION * spread:
@@ -183,8 +183,8 @@ class Situation:
         estimate = self.estimate
         if estimate is None or self.went_on:
             return ()
-        stop, leave_s = estimate.stop, max(now_s - UNSEEN_S, estimate.stop_time_s)
-        out = Pose(stop.x_m, stop.y_m, stop.heading_rad - self._side * math.pi / 2.0)
+        leave_s = max(now_s - UNSEEN_S, estimate.stop_time_s)
+        out = self._right_angle(estimate.stop)
         leaving = departing(
             leave_s, out, 0.0, speed_mps=estimate.speed_mps, accel_mps2=estimate.accel_mps2
         )
@@ -217,6 +217,10 @@ class Situation:
         start = line.offset(along + forward * (now_s - helicopter.time_s))
         return (departing(now_s, start, min(forward, speed), speed_mps=speed, accel_mps2=accel),)
 
+    def _right_angle(self, stop: Pose) -> Pose:
+        """Return how a corner is expected to be left: turned to the pattern's side."""
+        return Pose(stop.x_m, stop.y_m, stop.heading_rad - self._side * math.pi / 2.0)
+
     def _way_out(self, helicopter: Motion) -> Pose:
         """Return the line on which the helicopter leaves the corner, through its stop.
 
@@ -224,7 +228,7 @@ class Situation:
         """
         assert self.estimate is not None
         stop = self.estimate.stop
-        heading = stop.heading_rad - self._side * math.pi / 2.0
+        heading = self._right_angle(stop).heading_rad
         away = math.hypot(helicopter.x_m - stop.x_m, helicopter.y_m - stop.y_m)
         if away > SURE_BEARING_M:
             bearing = math.atan2(helicopter.y_m - stop.y_m, helicopter.x_m - stop.x_m)

@@ -1,4 +1,4 @@
-"""The slot track as a waypoint list, renewed when it is gone, shifted or ending."""
+"""Waypoint lists: a path onto the slot track, and the track itself, renewed when it is due."""
 
 from __future__ import annotations
 
@@ -6,8 +6,20 @@ import numpy as np
 
 from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
-from sar_planner.geometry import FloatArray
+from sar_planner.geometry import FlightPath, FloatArray
 from sar_planner.mission_parameters import MissionParameters
+from sar_planner.waypoints import path_waypoints
+
+Listed = tuple[str, FloatArray]
+
+
+def path_list(
+    path: FlightPath, parameters: MissionParameters, *, from_m: float = 0.0
+) -> FloatArray:
+    """Return the waypoints of a path in the map from ``from_m`` [m] on, and the track beyond."""
+    points = path_waypoints(path, parameters.arc_spacing_m, from_m=from_m)
+    beyond = path.end.offset(parameters.horizon_m)
+    return np.vstack((points, (beyond.x_m, beyond.y_m)))
 
 
 class SlotTrack:

@@ -134,7 +134,7 @@ def fly(seed: int, p: CornerParameters | None = None) -> Trial:
     times = np.linspace(0.0, steps * STEP_S, steps + 1)
     helicopter = task.forecast.positions(times)
     closest = float(np.hypot(*(flown - helicopter).T).min())
-    slot = task.forecast.leg.x_m + task.forecast.along_m(steps * STEP_S)
+    slot = task.forecast.slot_x_m(steps * STEP_S)
     return Trial(
         seed,
         phase,
