@@ -81,7 +81,7 @@ def test_corner_is_planned_committed_corrected_and_left():
     path = plan.active.path
     # The UAV follows, 3 s behind its plan, into the first turn; the helicopter turns as foretold.
     corrected = None
-    for tenth in range(1, 250):
+    for tenth in range(1, 150):
         now = 104.0 + 0.1 * tenth
         flown = path.pose_at(20.0 * (now - 100.0 - (3.0 if tenth > 40 else 0.075 * tenth)))
         plan.set_uav(

@@ -9,7 +9,7 @@ from sar_estimator.plane import Pose
 from sar_planner.automaton import PaperAutomaton
 from sar_planner.geometry import Arc, FlightPath, Straight
 from sar_planner.parameters import CornerParameters
-from sar_planner.waypoints import arc_offsets, path_waypoints
+from sar_planner.waypoints import arc_offsets, path_waypoints, thinned
 
 CURVE = PaperAutomaton(CornerParameters()).plan(0.0).path
 
@@ -39,3 +39,10 @@ def test_waypoints_behind_are_left_out():
     path = FlightPath.of(Pose(0, 0, 0), [Straight(100.0), Arc(50.0, 1.0), Straight(30.0)])
     assert len(path_waypoints(path, 10.0, from_m=120.0)) < len(path_waypoints(path, 10.0))
     assert path_waypoints(path, 10.0, from_m=1000.0).shape == (0, 2)
+
+
+def test_points_on_top_of_each_other_are_thinned_and_the_last_stays():
+    points = np.array([[0.0, 0.0], [0.01, 0.0], [3.0, 0.0], [40.0, 0.0], [41.0, 0.0]])
+    assert thinned(points, 5.0).tolist() == [[0.0, 0.0], [41.0, 0.0]]
+    assert thinned(points[:1], 5.0).tolist() == [[0.0, 0.0]]
+    assert thinned(points, 0.005).tolist() == points.tolist()

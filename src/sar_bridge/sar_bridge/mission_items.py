@@ -13,6 +13,7 @@ from sar_estimator.geodesy import Datum
 from sar_estimator.states import Motion
 
 FloatArray = NDArray[np.float64]
+TURN_OFF_M = 40.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +28,20 @@ class MissionItem:
     params: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
 
+def acceptance_m(points: FloatArray) -> list[float]:
+    """Return how near the UAV must come to each point of a list, shape (n, 2), to take the next.
+
+    NAV_WAYPOINT's param 2, in whole metres: ``TURN_OFF_M`` for a right angle, in proportion less
+    for less, as ArduPlane does with its WP_RADIUS; 0 leaves the last point to that.
+    """
+    steps = np.diff(points, axis=0)
+    courses = np.arctan2(steps[:, 1], steps[:, 0])
+    turns = np.abs(np.remainder(np.diff(courses) + math.pi, 2.0 * math.pi) - math.pi)
+    inner = np.maximum(np.round(TURN_OFF_M * np.minimum(turns / (0.5 * math.pi), 1.0)), 1.0)
+    # The first point of a list is come to from wherever the UAV is.
+    return [1.0, *inner.tolist(), 0.0][-len(points) :]
+
+
 def waypoint_items(points: FloatArray, datum: Datum, altitude_m: float) -> list[MissionItem]:
     """Return the items of a waypoint list, shape (n, 2) [m]: waypoints and a final loiter.
 
@@ -34,7 +49,7 @@ def waypoint_items(points: FloatArray, datum: Datum, altitude_m: float) -> list[
     is ArduPilot's home place-holder, which the autopilot ignores. ``altitude_m`` is above home.
     """
     items = []
-    for x, y in points:
+    for (x, y), near in zip(points, acceptance_m(points), strict=True):
         latitude, longitude, _ = datum.to_geodetic(float(x), float(y))
         items.append(
             MissionItem(
@@ -42,6 +57,7 @@ def waypoint_items(points: FloatArray, datum: Datum, altitude_m: float) -> list[
                 round(latitude * 1e7),
                 round(longitude * 1e7),
                 altitude_m,
+                params=(0.0, near, 0.0, 0.0),
             )
         )
     last = items[-1]

@@ -32,6 +32,7 @@ OVERSHOOTS_RAD = tuple(math.radians(slope) for slope in (20.0, 40.0, 60.0, 80.0)
 SIDES = (1, -1)
 CHUNK = 48
 WIDEST = 600
+LOYAL_M = 5.0
 TRIED = 240
 TWO_PI = 2.0 * math.pi
 DETOUR_COST = 0.1
@@ -119,45 +120,56 @@ class Recapture:
         )
         return least - sampling_slack_m(self.separation_m, self.turn_radius_m)
 
-    def _first_kept(
-        self, batch: PathBatch, costs: FloatArray, separation_m: float
-    ) -> FlightPath | None:
-        """Return the cheapest path that keeps the separation."""
+    def _kept(
+        self, batch: PathBatch, costs: FloatArray, wanted_m: float, least_m: float
+    ) -> tuple[FlightPath, float] | None:
+        """Return the cheapest path that stays ``wanted_m`` apart, and its least distance.
+
+        Where there is none, the one that stays the farthest, no less than ``least_m``: the cheapest
+        above some lower limit would graze it, and with every correction graze a lower one.
+        """
         order = np.argsort(costs, kind="stable")
         order = order[batch.lengths_m[order] <= self.longest_m]
         if len(order) > 2 * TRIED:
             # Near the end of a long list neighbours are alike: a sample of them will do.
             rest = np.linspace(TRIED, len(order) - 1, TRIED).astype(int)
             order = order[np.concatenate((np.arange(TRIED), rest))]
+        farthest = None
         for begin in range(0, len(order), CHUNK):
             part = batch.take(order[begin : begin + CHUNK])
-            kept = np.flatnonzero(self.distances_m(part) >= separation_m)
+            distances = self.distances_m(part)
+            kept = np.flatnonzero(distances >= wanted_m)
+            best = int(kept[0]) if kept.size else int(np.argmax(distances))
+            if farthest is None or distances[best] > farthest[1]:
+                farthest = part.path(best), float(distances[best])
             if kept.size:
-                return part.path(int(kept[0]))
-        return None
+                return farthest
+        return farthest if farthest is not None and farthest[1] >= least_m else None
 
-    def best(self, row: FloatArray | None, separations_m: tuple[float, ...]) -> FlightPath | None:
+    def best(self, row: FloatArray | None, wanted_m: float, least_m: float) -> FlightPath | None:
         """Return the path to fly, the old one given as a row; None where none is safe.
 
         The old one's headings with other straights, else the shortest of any headings, both ending
-        without lag and for the first of the separations [m] that has one; else the one that ends
-        nearest to the slot, short ones preferred.
+        without lag and ``wanted_m`` apart; else whichever of them stays the farthest apart, no less
+        than ``least_m``; else the one that ends nearest to the slot, short ones preferred.
         """
+        same = exact = None
         if row is not None:
-            same = self._same_turns(row)
-            for separation in separations_m:
-                path = self._first_kept(same, same.lengths_m, separation)
-                if path is not None:
-                    return path
-        exact = self._any_turns()
-        for separation in separations_m:
-            path = self._first_kept(exact, exact.lengths_m, separation)
-            if path is not None:
-                return path
+            batch = self._same_turns(row)
+            same = self._kept(batch, batch.lengths_m, wanted_m, least_m)
+            if same is not None and same[1] >= wanted_m - LOYAL_M:
+                return same[0]
+        batch = self._any_turns()
+        exact = self._kept(batch, batch.lengths_m, wanted_m, least_m)
+        if exact is not None and (same is None or exact[1] > same[1] + LOYAL_M):
+            return exact[0]
+        if same is not None:
+            return same[0]
         inexact = self._any_lag()
         errors = np.abs(self._problem.detours_m(inexact) - self._detour_m)
         costs = errors + DETOUR_COST * inexact.lengths_m
-        return self._first_kept(inexact, costs, self.separation_m)
+        found = self._kept(inexact, costs, least_m, least_m)
+        return None if found is None else found[0]
 
     def _same_turns(self, row: FloatArray) -> PathBatch:
         """Return the paths of the same headings with other straights."""

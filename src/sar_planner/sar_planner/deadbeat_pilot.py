@@ -424,7 +424,8 @@ class DeadbeatPilot:
             old.length_m - from_m + LONGER_SPACINGS * self._corner.spacing_m,
         )
         row = row_of(old.cut(from_m))
-        path = search.best(row, self._separations_m())
+        wanted, _, least = self._separations_m()
+        path = search.best(row, wanted, least)
         if path is None:
             return self._widest(search, now_s, forecasts, frame)
         before = frame.path_from_map(approach.frame.path_to_map(kept))

@@ -8,9 +8,10 @@ from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
 from sar_planner.geometry import FlightPath, FloatArray
 from sar_planner.mission_parameters import MissionParameters
-from sar_planner.waypoints import path_waypoints
+from sar_planner.waypoints import path_waypoints, thinned
 
 Listed = tuple[str, FloatArray]
+LEAST_GAP_M = 5.0
 
 
 def path_list(
@@ -19,7 +20,7 @@ def path_list(
     """Return the waypoints of a path in the map from ``from_m`` [m] on, and the track beyond."""
     points = path_waypoints(path, parameters.arc_spacing_m, from_m=from_m)
     beyond = path.end.offset(parameters.horizon_m)
-    return np.vstack((points, (beyond.x_m, beyond.y_m)))
+    return thinned(np.vstack((points, (beyond.x_m, beyond.y_m))), LEAST_GAP_M)
 
 
 class SlotTrack:

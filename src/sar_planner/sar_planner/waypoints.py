@@ -39,3 +39,18 @@ def path_waypoints(path: FlightPath, spacing_m: float, *, from_m: float = 0.0) -
         if begun > from_m:
             kept.append(np.array((end.x_m, end.y_m)))
     return np.array(kept).reshape(-1, 2)
+
+
+def thinned(points: FloatArray, gap_m: float) -> FloatArray:
+    """Return a list, shape (n, 2), without points closer than ``gap_m`` to the one kept before.
+
+    An autopilot that has just passed a point takes a target close behind it for one to turn back
+    to. The last point stays.
+    """
+    kept = [points[0]]
+    for i in range(1, len(points)):
+        if math.hypot(*(points[i] - kept[-1])) >= gap_m:
+            kept.append(points[i])
+        elif i == len(points) - 1:
+            kept[-1] = points[i]
+    return np.array(kept)

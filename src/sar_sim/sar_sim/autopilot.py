@@ -1,28 +1,31 @@
-"""The simulated autopilot: flight modes, a mission, and a path follower, over a kinematic UAV.
+"""The simulated autopilot: flight modes and a mission, over a guidance and a kinematic UAV.
 
-It keeps ArduPlane's conventions: item 0 is home, a mission's end means RTL, a leg that is made
-current begins at the present position.
+It keeps ArduPlane's conventions: item 0 is home; a mission's end means RTL; a mission taken in AUTO
+is not flown before the leg being flown ends or an item is made current; a leg that is begun by
+DO_SET_MISSION_CURRENT runs from the old target, or from here where that one's finish line lies
+behind, and on the leg after it only the target is headed for (Plane::set_next_WP).
 """
 
 from __future__ import annotations
 
 import enum
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-import numpy as np
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_bridge.mission_items import MissionItem
 from sar_estimator.geodesy import Datum
-from sar_estimator.plane import Pose, wrap_angle
+from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
+from sar_sim.guidance import Guidance, Leg, Point
+from sar_sim.presets import make_guidance
 from sar_sim.scenario import Uav, Wind
-from sar_sim.uav import UavLimits, UavState, ground_motion, step
+from sar_sim.uav import G_MPS2, UavState, ground_motion, step
 
-Point = tuple[float, float]
 OSCILLATION_LOSS = 0.4
 TURN_RADIUS_M = 300.0
+FAR_M = 50_000.0
 
 
 class FlightMode(enum.IntEnum):
@@ -34,20 +37,12 @@ class FlightMode(enum.IntEnum):
     GUIDED = 15
 
 
-def lookahead_point(points: list[Point], here: Point, first: int, reach_m: float) -> Point:
-    """Return the point ``reach_m`` [m] along a polyline from the foot of ``here`` on leg ``first``.
+@dataclass(frozen=True, slots=True)
+class Circle:
+    """A circle to fly: clockwise for a radius above 0 [m]."""
 
-    Leg ``first`` runs from point ``first`` to ``first + 1``; beyond the end the last leg goes on.
-    """
-    (ax, ay), (bx, by) = points[first], points[first + 1]
-    length = max(1e-9, math.hypot(bx - ax, by - ay))
-    at = ((here[0] - ax) * (bx - ax) + (here[1] - ay) * (by - ay)) / length + reach_m
-    while at > length and first + 2 < len(points):
-        at -= length
-        first += 1
-        (ax, ay), (bx, by) = points[first], points[first + 1]
-        length = max(1e-9, math.hypot(bx - ax, by - ay))
-    return ax + (bx - ax) * at / length, ay + (by - ay) * at / length
+    centre: Point
+    radius_m: float
 
 
 class SimAutopilot:
@@ -65,13 +60,14 @@ class SimAutopilot:
     ) -> None:
         """Begin airborne at ``start`` in GUIDED, flying straight on."""
         self._uav, self._datum = uav, datum
-        self._limits = UavLimits(uav.min_radius_m, uav.accel_limit_mps2, uav.roll_lag_s)
-        towards = math.radians(270.0 - wind.from_deg)
-        self._wind = (wind.speed_mps * math.cos(towards), wind.speed_mps * math.sin(towards))
+        self._guidance: Guidance
+        self._guidance, self._limits, self._turn_share = make_guidance(uav)
+        self.steady_wind_mps = wind.vector_mps
+        self.wind_mps = self.steady_wind_mps
         heading = start.heading_rad
-        drift = math.asin(
-            (self._wind[1] * math.cos(heading) - self._wind[0] * math.sin(heading)) / speed_mps
-        )
+        wx, wy = self.wind_mps
+        across = wy * math.cos(heading) - wx * math.sin(heading)
+        drift = math.asin(across / speed_mps)
         self.state = UavState(0.0, start.x_m, start.y_m, heading - drift, speed_mps)
         self.altitude_m = altitude_m
         self.mode = FlightMode.GUIDED
@@ -79,18 +75,34 @@ class SimAutopilot:
         self.items: list[MissionItem] = []
         self.current = 0
         self.reached: list[int] = []
-        far = start.offset(50_000.0)
+        far = start.offset(FAR_M)
+        self._points: list[Point] = []
         self._home = (start.x_m, start.y_m)
-        self._route: list[Point] = [self._home, (far.x_m, far.y_m)]
-        self._leg = 0
-        self._circle: Point | None = None
+        self._leg = Leg(self._home, (far.x_m, far.y_m))
+        self._track_next = False
+        self._circle: Circle | None = None
+        self._demand_radps = 0.0
+        self._since_s = math.inf
         self._owed_m = 0.0
         self._oscillating = False
 
     @property
     def motion(self) -> Motion:
         """The UAV's motion over ground."""
-        return ground_motion(self.state, self._wind)
+        return ground_motion(self.state, self.wind_mps)
+
+    @property
+    def roll_rad(self) -> float:
+        """Bank, positive to the right [rad]."""
+        turn = self.state.turn_rate_radps * self.state.airspeed_mps
+        return -math.atan(turn / (G_MPS2 * self._turn_share))
+
+    @property
+    def uav(self) -> Uav:
+        """How it was set up."""
+        return self._uav
+
+    # Modes and mission -------------------------------------------------------------------------
 
     def set_mode(self, mode: FlightMode) -> None:
         """Change the flight mode; AUTO without a mission is refused by staying as it is."""
@@ -99,31 +111,88 @@ class SimAutopilot:
                 return
             if self.mode is not FlightMode.AUTO:
                 self.mode = mode
-                self.set_current(self.current or 1)
+                self._track_next = False
+                self._start(self.current or 1)
             return
         self.mode = mode
-        here = (self.state.x_m, self.state.y_m)
-        self._circle = self._home if mode is FlightMode.RTL else here
+        centre = self._home if mode is FlightMode.RTL else self._here
+        self._circle = Circle(centre, self._uav.loiter_radius_m)
 
     def load(self, items: list[MissionItem]) -> None:
         """Take a new mission; in AUTO the leg being flown keeps its old target."""
         self.items = list(items)
+        self._points = [self._point(item) for item in items]
+
+    def replace_item(self, seq: int, item: MissionItem) -> None:
+        """Put an item in the place of another, or behind the last."""
+        self.items[seq : seq + 1] = [item]
+        self._points[seq : seq + 1] = [self._point(item)]
 
     def set_current(self, seq: int) -> bool:
-        """Fly to item ``seq`` from the present position; return whether there is such an item."""
+        """Fly to item ``seq`` next; return whether there is such an item."""
         if not 0 < seq < len(self.items):
             return False
         self.current = seq
         if self.mode is FlightMode.AUTO:
-            here = (self.state.x_m, self.state.y_m)
-            self._route = [here, *(self._point(item) for item in self.items[seq:])]
-            self._leg = 0
-            self._circle = None
+            if not self._guidance.starts_at_target:
+                self._track_next = False
+            self._start(seq)
+            self._track_next = False
         return True
 
     def _point(self, item: MissionItem) -> Point:
         x, y, _ = self._datum.to_local(item.latitude_e7 / 1e7, item.longitude_e7 / 1e7)
         return x, y
+
+    @property
+    def _here(self) -> Point:
+        return self.state.x_m, self.state.y_m
+
+    def _flown_index(self, seq: int) -> int | None:
+        """Return the item that is flown when ``seq`` comes up: jumps lead on."""
+        for _ in range(len(self.items)):
+            if not 0 < seq < len(self.items):
+                return None
+            if self.items[seq].command != mavlink.MAV_CMD_DO_JUMP:
+                return seq
+            seq = int(self.items[seq].params[0])
+        return None
+
+    def _start(self, seq: int) -> None:
+        """Begin the leg to an item; go home where there is none."""
+        found = self._flown_index(seq)
+        if found is None:
+            self.set_mode(FlightMode.RTL)
+            return
+        self.current = found
+        item, target = self.items[found], self._points[found]
+        if item.command == mavlink.MAV_CMD_NAV_LOITER_UNLIM:
+            self._circle = Circle(target, item.params[2] or self._uav.loiter_radius_m)
+            return
+        self._circle = None
+        begin = self._leg.target if self._track_next else self._here
+        leg = Leg(
+            begin,
+            target,
+            tuple(self._after(found)),
+            tracked=self._track_next,
+            accept_m=item.params[1],
+        )
+        if self._guidance.starts_at_target and leg.passed_by(self.motion):
+            leg = replace(leg, begin=self._here)
+        self._leg = leg
+        self._track_next = True
+
+    def _after(self, seq: int) -> list[Point]:
+        """Return the points that are flown after an item."""
+        points: list[Point] = []
+        found = self._flown_index(seq + 1)
+        while found is not None and len(points) < self._guidance.looks_ahead:
+            points.append(self._points[found])
+            found = self._flown_index(found + 1)
+        return points
+
+    # Flying ------------------------------------------------------------------------------------
 
     def owe(self, extra_m: float) -> None:
         """From the next turn on, fly this much farther than is made good [m]."""
@@ -143,63 +212,34 @@ class SimAutopilot:
 
     def step(self, dt_s: float) -> None:
         """Fly for ``dt_s`` [s]."""
-        if self._circle is None:
-            self._advance_leg()
-        rate = self._follow_circle() if self._circle is not None else self._follow_route()
-        time_s = self.state.time_s + dt_s
+        self._since_s += dt_s
+        if self._since_s >= self._guidance.period_s - 1e-9:
+            self._since_s = 0.0
+            self._navigate()
+        low, high = self._uav.airspeed_min_mps, self._uav.airspeed_max_mps
         moved = step(
             self.state,
             self._made_good(dt_s),
-            turn_rate_radps=rate,
-            airspeed_mps=self.airspeed_mps,
+            turn_rate_radps=self._demand_radps,
+            airspeed_mps=min(max(self.airspeed_mps, low), high),
             limits=self._limits,
-            wind_mps=self._wind,
+            wind_mps=self.wind_mps,
         )
-        self.state = replace(moved, time_s=time_s)
+        self.state = replace(moved, time_s=self.state.time_s + dt_s)
 
-    def _advance_leg(self) -> None:
-        """Pass on to the next leg once its end is behind; then loiter or go home."""
-        here = np.array((self.state.x_m, self.state.y_m))
-        while True:
-            a, b = np.array(self._route[self._leg]), np.array(self._route[self._leg + 1])
-            if float((here - b) @ (b - a)) < 0.0:
-                return
+    def _navigate(self) -> None:
+        """Demand a turn rate; then leave the legs that are done, as ArduPlane does."""
+        motion, airspeed = self.motion, self.state.airspeed_mps
+        if self._circle is not None:
+            around = self._circle
+            self._demand_radps = self._guidance.around(
+                around.centre, around.radius_m, motion, airspeed
+            )
+            return
+        self._demand_radps = self._guidance.along(self._leg, motion, airspeed)
+        while self._circle is None and self._guidance.leaves(self._leg, motion):
             if self.mode is FlightMode.AUTO:
                 self.reached.append(self.current)
-            if self._leg + 2 < len(self._route):
-                self._leg += 1
-                self.current += 1
-            elif self.mode is FlightMode.AUTO and self._ends_in_loiter():
-                self._circle = self._route[-1]
-                return
+                self._start(self.current + 1)
             else:
                 self.set_mode(FlightMode.RTL)
-                return
-
-    def _ends_in_loiter(self) -> bool:
-        return bool(self.items) and (self.items[-1].command == mavlink.MAV_CMD_NAV_LOITER_UNLIM)
-
-    def _rate_towards(self, x_m: float, y_m: float) -> float:
-        """Turn rate [rad/s] of the arc over ground through a point; behind, as tight as can be."""
-        motion = self.motion
-        dx, dy = x_m - motion.x_m, y_m - motion.y_m
-        off = wrap_angle(math.atan2(dy, dx) - motion.course_rad)
-        if abs(off) > math.pi / 2.0:
-            return math.copysign(motion.speed_mps / self._limits.min_radius_m, off)
-        return 2.0 * motion.speed_mps * math.sin(off) / max(1.0, math.hypot(dx, dy))
-
-    def _follow_route(self) -> float:
-        here = (self.state.x_m, self.state.y_m)
-        reach = max(self._uav.lookahead_m, 3.0 * self._uav.roll_lag_s * self.state.airspeed_mps)
-        return self._rate_towards(*lookahead_point(self._route, here, self._leg, reach))
-
-    def _follow_circle(self) -> float:
-        """Circle the loiter point clockwise: aim at the circle a little ahead."""
-        assert self._circle is not None
-        cx, cy = self._circle
-        radius = self._uav.loiter_radius_m
-        dx, dy = self.state.x_m - cx, self.state.y_m - cy
-        if math.hypot(dx, dy) > 2.0 * radius:
-            return self._rate_towards(cx, cy)
-        ahead = math.atan2(dy, dx) - 0.4
-        return self._rate_towards(cx + radius * math.cos(ahead), cy + radius * math.sin(ahead))

@@ -195,7 +195,13 @@ class AutopilotServer:
         state = self._autopilot.state
         heading = math.remainder(math.pi / 2.0 - state.heading_rad, 2.0 * math.pi)
         return mavlink.MAVLink_attitude_message(
-            round(time_s * 1e3), state.roll_rad, 0.0, heading, 0.0, 0.0, -state.turn_rate_radps
+            round(time_s * 1e3),
+            self._autopilot.roll_rad,
+            0.0,
+            heading,
+            0.0,
+            0.0,
+            -state.turn_rate_radps,
         )
 
     def _position(self, time_s: float) -> mavlink.MAVLink_message:

@@ -13,6 +13,12 @@ from sar_estimator.geodesy import Datum
 from sar_planner.parameters import CornerParameters
 
 ODD_ACTIONS = ("other_way", "go_on", "break_off")
+# What a preset of the autopilot changes of the defaults.
+AUTOPILOTS: dict[str, dict[str, float]] = {
+    "ideal": {},
+    "arduplane": {"roll_lag_s": 0.35},
+    "piccolo2005": {"roll_lag_s": 1.0, "roll_limit_deg": 20.0, "believed_radius_m": 50.0},
+}
 
 
 class ScenarioError(ValueError):
@@ -93,15 +99,30 @@ class Uav:
     ``extra_path_min_m``, ``extra_path_max_m``: at every corner, from its first turn on, the UAV
     oscillates about its path, until it has flown so much more than it made good (drawn evenly from
     ``seed``): the error of the paper's hardware-in-the-loop runs. ``lag_m``: L(1).
-    ``min_radius_m``: tightest turn at cruise speed. ``roll_lag_s``: time constant of the turn rate,
-    0 for none. ``lookahead_m``: of the path follower.
+    ``autopilot``: ideal (the paper's kinematic model), arduplane, or piccolo2005 (overestimates its
+    turn rate); in YAML it also sets defaults. ``roll_lag_s``: time constant of the turn rate, 0 for
+    none. Of ideal only, ``min_radius_m``: tightest turn at cruise speed, ``lookahead_m``: of the
+    path follower. Of the others, ``l1_period_s``, ``l1_damping``, ``wp_radius_m``,
+    ``roll_limit_deg``: NAVL1_PERIOD, NAVL1_DAMPING, WP_RADIUS, ROLL_LIMIT_DEG; ``turn_share``: turn
+    rate over that of a coordinated turn at the same bank; ``believed_radius_m``: turn radius that
+    legs are left for, 0 to leave them by WP_RADIUS. ``airspeed_min_mps``, ``airspeed_max_mps``: its
+    envelope.
     """
 
     lag_m: float = 800.0
+    autopilot: str = "ideal"
     min_radius_m: float = 80.0
     accel_limit_mps2: float = 1.0
     roll_lag_s: float = 0.0
     lookahead_m: float = 8.0
+    l1_period_s: float = 15.0
+    l1_damping: float = 0.75
+    wp_radius_m: float = 50.0
+    roll_limit_deg: float = 65.0
+    turn_share: float = 0.79
+    believed_radius_m: float = 0.0
+    airspeed_min_mps: float = 10.0
+    airspeed_max_mps: float = 30.0
     loiter_radius_m: float = 80.0
     extra_path_min_m: float = 0.0
     extra_path_max_m: float = 0.0
@@ -110,10 +131,23 @@ class Uav:
 
 @dataclass(frozen=True, slots=True)
 class Wind:
-    """Steady wind: speed [m/s] and the compass direction it blows from [deg]."""
+    """Wind: its mean, from a compass direction [deg], and gusts about it [m/s].
+
+    Gusts have a standard deviation of ``gust_sigma_mps`` along each axis and die away with a time
+    constant of ``gust_time_s`` (first-order, as Dryden's longitudinal gusts), drawn from ``seed``.
+    """
 
     speed_mps: float = 0.0
     from_deg: float = 0.0
+    gust_sigma_mps: float = 0.0
+    gust_time_s: float = 15.0
+    seed: int = 1
+
+    @property
+    def vector_mps(self) -> tuple[float, float]:
+        """Where the mean wind blows to, east and north [m/s]."""
+        towards = math.radians(270.0 - self.from_deg)
+        return self.speed_mps * math.cos(towards), self.speed_mps * math.sin(towards)
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,6 +206,24 @@ class Scenario:
             ok=0.0 <= self.gps.dropout < 1.0,
         )
         _expect(
+            "uav.autopilot",
+            self.uav.autopilot,
+            f"one of {', '.join(AUTOPILOTS)}",
+            ok=self.uav.autopilot in AUTOPILOTS,
+        )
+        _expect(
+            "uav.airspeed_min_mps",
+            self.uav.airspeed_min_mps,
+            "more than 0, less than uav.airspeed_max_mps",
+            ok=0.0 < self.uav.airspeed_min_mps < self.uav.airspeed_max_mps,
+        )
+        _expect(
+            "uav.roll_limit_deg",
+            self.uav.roll_limit_deg,
+            "between 0 and 90",
+            ok=0.0 < self.uav.roll_limit_deg < 90.0,
+        )
+        _expect(
             "uav.min_radius_m",
             self.uav.min_radius_m,
             "not more than corner.turn_radius_m",
@@ -191,6 +243,11 @@ class Scenario:
             ("uav", "accel_limit_mps2"),
             ("uav", "lookahead_m"),
             ("uav", "loiter_radius_m"),
+            ("uav", "l1_period_s"),
+            ("uav", "l1_damping"),
+            ("uav", "wp_radius_m"),
+            ("uav", "turn_share"),
+            ("wind", "gust_time_s"),
         ):
             value = getattr(getattr(self, group), name)
             _expect(f"{group}.{name}", value, "more than 0", ok=value > 0.0)
@@ -207,7 +264,9 @@ class Scenario:
             ("gps", "doppler_sigma_mps"),
             ("uav", "roll_lag_s"),
             ("uav", "extra_path_min_m"),
+            ("uav", "believed_radius_m"),
             ("wind", "speed_mps"),
+            ("wind", "gust_sigma_mps"),
         ):
             value = getattr(getattr(self, group), name)
             _expect(f"{group}.{name}", value, "0 or more", ok=value >= 0.0)
@@ -250,6 +309,8 @@ def _build(kind: Any, value: object, prefix: str) -> Any:
         absent = item.name not in given
         if absent and item.default is MISSING and item.default_factory is MISSING:
             raise ScenarioError(f"{prefix}.{item.name}: missing")
+    if kind is Uav:
+        given = {**AUTOPILOTS.get(given.get("autopilot", ""), {}), **given}
     return kind(**given)
 
 

@@ -22,11 +22,6 @@ class UavState:
     airspeed_mps: float
     turn_rate_radps: float = 0.0
 
-    @property
-    def roll_rad(self) -> float:
-        """Bank of the coordinated turn, positive to the right [rad]."""
-        return -math.atan(self.turn_rate_radps * self.airspeed_mps / G_MPS2)
-
 
 @dataclass(frozen=True, slots=True)
 class UavLimits:

@@ -17,6 +17,7 @@ from sar_sim.autopilot import SimAutopilot
 from sar_sim.gps import FixSource, NoReceiver, Reception, RecordedTrack, SimulatedGps
 from sar_sim.helicopter import CornerTruth, PatternHelicopter
 from sar_sim.scenario import Scenario
+from sar_sim.wind import Gusts
 
 STEP_S = 0.05
 
@@ -73,6 +74,7 @@ class World:
             datum=self.datum,
             altitude_m=scenario.sensor.altitude_m,
         )
+        self._gusts = Gusts(scenario.wind)
         self._steps = 0
         self._extra = np.random.default_rng(scenario.uav.seed)
         self._begun_corners = 0
@@ -101,6 +103,7 @@ class World:
             uav = self.scenario.uav
             extra = self._extra.uniform(uav.extra_path_min_m, uav.extra_path_max_m)
             self.autopilot.owe(float(extra))
+        self.autopilot.wind_mps = self._gusts.step(STEP_S)
         self.autopilot.step(STEP_S)
         return [
             replace(item, fix=replace(item.fix, time_s=self._stamp(item.fix)))

@@ -1,0 +1,44 @@
+"""The wind triangle: the airspeed that a ground speed takes, and what an envelope makes good."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sar_planner.geometry import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class AirEnvelope:
+    """The UAV's airspeeds [m/s], and the wind it flies in, blowing towards ``wind_mps`` (x, y)."""
+
+    slowest_mps: float = 0.0
+    fastest_mps: float = math.inf
+    wind_mps: tuple[float, float] = (0.0, 0.0)
+
+    def airspeed_mps(self, course_rad: float, ground_speed_mps: float) -> float:
+        """Return the airspeed [m/s] that a ground speed on a course takes, within the envelope."""
+        vx = ground_speed_mps * math.cos(course_rad) - self.wind_mps[0]
+        vy = ground_speed_mps * math.sin(course_rad) - self.wind_mps[1]
+        return min(max(math.hypot(vx, vy), self.slowest_mps), self.fastest_mps)
+
+    def ground_speeds_mps(self, courses_rad: FloatArray, wanted_mps: float) -> FloatArray:
+        """Return the ground speeds made good on courses, shape (n,), of one that is wanted.
+
+        What is wanted where the envelope allows it, else what its nearest airspeed gives; 0 where
+        the wind carries the UAV off sideways.
+        """
+        ux, uy = np.cos(courses_rad), np.sin(courses_rad)
+        along = self.wind_mps[0] * ux + self.wind_mps[1] * uy
+        across = self.wind_mps[1] * ux - self.wind_mps[0] * uy
+        needed = np.hypot(wanted_mps - along, across)
+        airspeed = np.clip(needed, self.slowest_mps, self.fastest_mps)
+        ahead = np.sqrt(np.maximum(airspeed**2 - across**2, 0.0))
+        made_good = np.where(np.abs(across) < airspeed, np.maximum(along + ahead, 0.0), 0.0)
+        return np.where(airspeed == needed, wanted_mps, made_good)
+
+    def ground_speed_mps(self, course_rad: float, wanted_mps: float) -> float:
+        """Return the ground speed [m/s] made good on one course."""
+        return float(self.ground_speeds_mps(np.array([course_rad]), wanted_mps)[0])

@@ -1,0 +1,32 @@
+"""The autopilots that can be simulated: which guidance, and how the airframe answers."""
+
+from __future__ import annotations
+
+import math
+
+from sar_sim.guidance import Guidance, L1Guidance, L1Parameters, PathFollower
+from sar_sim.scenario import Uav
+from sar_sim.uav import UavLimits
+
+BANKED_RADIUS_M = 1.0
+
+
+def make_guidance(uav: Uav) -> tuple[Guidance, UavLimits, float]:
+    """Return the guidance, the airframe's limits, and its share of a coordinated turn's rate."""
+    if uav.autopilot == "ideal":
+        limits = UavLimits(uav.min_radius_m, uav.accel_limit_mps2, uav.roll_lag_s)
+        follower = PathFollower(
+            min_radius_m=uav.min_radius_m, lookahead_m=uav.lookahead_m, roll_lag_s=uav.roll_lag_s
+        )
+        return follower, limits, 1.0
+    # Banked autopilots limit the bank, in the guidance, and so the turn rate.
+    limits = UavLimits(BANKED_RADIUS_M, uav.accel_limit_mps2, uav.roll_lag_s)
+    l1 = L1Parameters(
+        period_s=uav.l1_period_s,
+        damping=uav.l1_damping,
+        wp_radius_m=uav.wp_radius_m,
+        roll_limit_rad=math.radians(uav.roll_limit_deg),
+        turn_share=uav.turn_share,
+        believed_radius_m=uav.believed_radius_m,
+    )
+    return L1Guidance(l1), limits, uav.turn_share

@@ -1,0 +1,68 @@
+"""Waypoints for an L1-guided autopilot."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_estimator.plane import Pose
+from sar_planner.air import AirEnvelope
+from sar_planner.geometry import Arc, FlightPath, Straight
+from sar_planner.guide import L1Tuning, make_guide
+
+TUNING = L1Tuning(15.0)
+
+
+def path(*segments):
+    return FlightPath.of(Pose(0.0, 0.0, 0.3), segments)
+
+
+def test_straight_path_has_no_offset_and_two_waypoints_at_most():
+    guide = make_guide(path(Straight(1000.0)), TUNING, 20.0)
+    assert np.abs(guide.offsets_m).max() == 0.0
+    assert len(guide.waypoints(30.0)) == 1
+
+
+@given(st.floats(8.0, 15.0), st.floats(80.0, 150.0), st.sampled_from([1, -1]))
+def test_steady_turn_settles_inside_it(period, radius, side):
+    tuning = L1Tuning(period)
+    guide = make_guide(path(Straight(300.0), Arc(radius, side * 1.9 * math.pi)), tuning, 20.0)
+    steady = tuning.offset_m(side / radius, 20.0)
+    assert math.copysign(1.0, steady) == side
+    assert guide.offsets_m[-30] == pytest.approx(steady, rel=0.02)
+    # L1^2 k / (4 damping^2 share)
+    by_hand = (0.75 * period * 20.0 / math.pi) ** 2 / (4 * 0.75**2 * 0.8) / radius
+    assert abs(steady) == pytest.approx(by_hand)
+
+
+def test_offset_begins_where_the_roll_must():
+    guide = make_guide(path(Straight(300.0), Arc(100.0, 1.0), Straight(500.0)), TUNING, 20.0)
+    assert guide.offset_at(290.0) == pytest.approx(0.0, abs=1e-6)
+    assert guide.offset_at(330.0) > 5.0
+    assert guide.offset_at(850.0) < 1.0
+
+
+def test_guide_goes_on_from_an_offset():
+    turn = path(Arc(100.0, 2.0), Straight(300.0))
+    assert make_guide(turn, TUNING, 20.0).offset_at(0.0) > 20.0
+    assert make_guide(turn, TUNING, 20.0, offset_m=3.0).offset_at(0.0) == 3.0
+
+
+@given(st.floats(0.0, 900.0))
+def test_waypoints_begin_where_asked(begin):
+    guide = make_guide(path(Straight(300.0), Arc(100.0, 2.0), Straight(600.0)), TUNING, 20.0)
+    points = guide.waypoints(30.0, from_m=begin)
+    everything = guide.waypoints(30.0)
+    assert np.allclose(points, everything[-len(points) :])
+
+
+def test_slow_ground_speed_needs_less_offset():
+    turn = path(Arc(100.0, 1.5 * math.pi))
+    upwind = AirEnvelope(20.0, 20.0, (-6.0, 0.0))
+    assert abs(make_guide(turn, TUNING, 20.0, air=upwind).offsets_m).min() < 15.0
+
+
+def test_longest_period():
+    assert L1Tuning(15.0).longest_period_s(100.0, 20.0) == pytest.approx(17.77, abs=0.01)
