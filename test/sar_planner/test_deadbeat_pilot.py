@@ -79,11 +79,11 @@ def test_corner_is_planned_committed_corrected_and_left():
     assert plan.active.plan.lag_m == pytest.approx(0.0, abs=1e-6)
     assert plan.active.plan.turn_start_m >= 110.0
     path = plan.active.path
-    # The UAV follows, 3 s behind its plan, into the first turn; the helicopter turns as foretold.
+    # The UAV follows, 1.5 s behind its plan, into the first turn; the helicopter turns as foretold.
     corrected = None
-    for tenth in range(1, 150):
+    for tenth in range(1, 120):
         now = 104.0 + 0.1 * tenth
-        flown = path.pose_at(20.0 * (now - 100.0 - (3.0 if tenth > 40 else 0.075 * tenth)))
+        flown = path.pose_at(20.0 * (now - 100.0 - (1.5 if tenth > 40 else 0.0375 * tenth)))
         plan.set_uav(
             Motion(
                 now,

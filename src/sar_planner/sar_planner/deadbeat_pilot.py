@@ -18,7 +18,8 @@ from sar_estimator.states import CornerEstimate, LegEstimate, Phase
 from sar_planner.approach import Approach, Recapture, final_lag_m, row_of, total_turn_rad
 from sar_planner.deadbeat import CONVERGED_M, DeadbeatRules
 from sar_planner.forecast import Forecast
-from sar_planner.geometry import CornerFrame, FlightPath
+from sar_planner.geometry import CornerFrame, FlightPath, FloatArray
+from sar_planner.lists import Listed, WaypointLists
 from sar_planner.mission_parameters import (
     ActiveCorner,
     MissionParameters,
@@ -31,7 +32,6 @@ from sar_planner.rejoin import RejoinPlan, RejoinTask, rejoin
 from sar_planner.rules import CornerPlan, NoPathError, Rule
 from sar_planner.separation import closest_over_time
 from sar_planner.situation import Situation
-from sar_planner.slot_track import Listed, SlotTrack, path_list
 from sar_planner.speed_trim import MadeGood, trimmed_mps
 
 ON_TRACK_M = 40.0
@@ -58,7 +58,7 @@ class DeadbeatPilot:
         self._s = situation
         self._corner = corner
         self._mission = mission
-        self._track = SlotTrack(mission)
+        self.lists = WaypointLists(mission)
         self.good = MadeGood(mission.bias_gain)
         self.active: ActiveCorner | None = None
         self.approach: Approach | None = None
@@ -90,9 +90,19 @@ class DeadbeatPilot:
         """The share of its speed that the UAV is expected to make good at corners."""
         return self.good.share
 
+    @property
+    def course_rad(self) -> float:
+        """The course on which the UAV will be when a speed asked for now is flown."""
+        if self.approach is None:
+            return 0.0 if self.slot is None else self.slot.heading_rad
+        path = self.approach.path
+        ahead_m = self.approach.flown_m + self._mission.speed_lead_s * self.approach.speed_mps
+        there = path.pose_at(min(max(ahead_m, 0.0), path.length_m))
+        return self.approach.frame.pose_to_map(there).heading_rad
+
     def begin(self) -> None:
         """Begin to lead; a corner that is already over is not planned."""
-        self._track.forget()
+        self.lists.forget()
         self.problem = ""
         self._holding = False
         if self._s.phase is not Phase.DECELERATING:
@@ -116,7 +126,7 @@ class DeadbeatPilot:
         self._planned = None
         self._retry_s = -math.inf
         self._done_corner = self._s.corners_seen
-        self._track.forget()
+        self.lists.forget()
 
     # Decisions ---------------------------------------------------------------------------------
 
@@ -175,7 +185,7 @@ class DeadbeatPilot:
         self.active = self.approach = None
         self._unsafe = ""
         self._holding = True
-        self._track.forget()
+        self.lists.forget()
         ahead = self._s.uav.pose.offset(self._mission.capture_m)
         return str(Mode.HOLD), np.array([(ahead.x_m, ahead.y_m)])
 
@@ -221,9 +231,8 @@ class DeadbeatPilot:
             now_s,
         )
         self._commit_when_due(now_s)
-        return str(plan.rule), path_list(
-            path, self._mission, from_m=flown + self._mission.reaction_s * uav.speed_mps
-        )
+        from_m = flown + self._mission.reaction_s * uav.speed_mps
+        return str(plan.rule), self._list_of(path, from_m=from_m)
 
     def _rule_plan(
         self, estimate: CornerEstimate, frame: CornerFrame, now_s: float
@@ -316,6 +325,11 @@ class DeadbeatPilot:
         share_m = lag_m * self._share / max(path_m, 1.0)
         return speed_mps * min(1.0 / max(1e-3, 1.0 - share_m), most)
 
+    def _list_of(self, path: FlightPath, *, from_m: float = 0.0) -> FloatArray:
+        """Return the waypoints of the path that was just begun, in the map."""
+        assert self.approach is not None
+        return self.lists.along(path, self.approach.speed_mps, from_m=from_m)
+
     def _leave(self) -> None:
         """Leave a path that is flown, or no longer wanted."""
         if self.active is not None:
@@ -324,7 +338,7 @@ class DeadbeatPilot:
                 self.good.learn()
         self.active = self.approach = None
         self._unsafe = ""
-        self._track.forget()
+        self.lists.forget()
 
     # Approaches --------------------------------------------------------------------------------
 
@@ -358,6 +372,7 @@ class DeadbeatPilot:
         speed = approach.speed_mps * self._share
         lag = final_lag_m(rest, expected[0], start_s=now_s, speed_mps=speed)
         tolerance = self._mission.lag_tolerance_m if self.active is not None else TIMING_M
+        tolerance = max(tolerance, self._mission.far_tolerance * rest.length_m)
         fits = abs(lag) < tolerance and not moved and off_m < OFF_PATH_M
         margin = MARGIN_SHARE * self._mission.separation_margin_m
         apart_m = self._apart_m(rest, expected, now_s, speed)
@@ -431,7 +446,7 @@ class DeadbeatPilot:
         before = frame.path_from_map(approach.frame.path_to_map(kept))
         whole = before.then(path)
         self.corrections += 1
-        self._retry_s = now_s + 1.0
+        self._retry_s = now_s + self._mission.correction_s
         target = forecasts[0].in_frame(frame)
         lag = final_lag_m(path, target, start_s=search.start_s, speed_mps=search.speed_mps)
         self._begin(
@@ -445,7 +460,7 @@ class DeadbeatPilot:
         )
         self.good.moved()
         name = str(self.active.plan.rule) if self.active is not None else str(Mode.REJOIN)
-        return name, path_list(frame.path_to_map(whole), self._mission)
+        return name, self._list_of(frame.path_to_map(whole))
 
     def _widest(
         self,
@@ -472,10 +487,7 @@ class DeadbeatPilot:
         if widest is not None and widest[1] > kept_m + WIDER_M:
             nearest = widest[1]
             self._begin(Approach(frame, widest[0], search.start_s, forecasts[0].speed_mps), now_s)
-            listed = (
-                str(Mode.REJOIN),
-                path_list(frame.path_to_map(widest[0]), self._mission),
-            )
+            listed = str(Mode.REJOIN), self._list_of(frame.path_to_map(widest[0]))
         self._unsafe = f"no safe path: comes within {nearest:.0f} m of the helicopter"
         return listed
 
@@ -514,9 +526,9 @@ class DeadbeatPilot:
     def _take_rejoin(self, plan: RejoinPlan, now_s: float, frame: CornerFrame) -> Listed:
         start_s = now_s + self._mission.reaction_s
         self._begin(Approach(frame, plan.path, start_s, plan.speed_mps), now_s)
-        self._track.forget()
+        self.lists.forget()
         self.good.cancel()
-        return str(Mode.REJOIN), path_list(frame.path_to_map(plan.path), self._mission)
+        return str(Mode.REJOIN), self._list_of(frame.path_to_map(plan.path))
 
     # Legs --------------------------------------------------------------------------------------
 
@@ -540,7 +552,7 @@ class DeadbeatPilot:
         )
         assert self._s.uav is not None
         assert self.slot is not None
-        points = self._track.points(self.slot, self._s.uav)
+        points = self.lists.track(self.slot, self._s.uav)
         return None if points is None else (str(Mode.LEG), points)
 
 

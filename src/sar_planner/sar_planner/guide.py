@@ -87,12 +87,15 @@ class Guide:
         """
         ends, headings = _joints(self.path)
         marks = [0.0, *(end - self.lead_m for end in ends[1:-1] if end > self.lead_m), ends[-1]]
+        bent = self.stations_m[np.abs(self.offsets_m) > STRAIGHT_M]
         chosen: list[float] = []
         for begin, end in pairwise(marks):
-            inside = (self.stations_m > begin - STEP_M) & (self.stations_m < end + STEP_M)
-            bent = np.abs(self.offsets_m[inside]).max(initial=0.0) > STRAIGHT_M
-            count = max(1, math.ceil((end - begin) / spacing_m - 1e-9)) if bent else 1
-            chosen += [begin + (end - begin) * (i + 1) / count for i in range(count)]
+            inside = bent[(bent > begin - STEP_M) & (bent < end)]
+            until = min(float(inside[-1]) + STEP_M, end) if inside.size else begin
+            count = math.ceil((until - begin) / spacing_m - 1e-9)
+            chosen += [begin + (until - begin) * (i + 1) / count for i in range(count)]
+            if until < end:
+                chosen.append(end)
         stations = np.array([at for at in chosen if at > max(from_m, FIRST_M)])
         if len(stations) == 0:
             stations = np.array([self.path.length_m])

@@ -5,6 +5,7 @@ Pure: it is told what is known, and asked at any time whether there is a new way
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ from sar_planner.paper_pilot import PaperPilot
 from sar_planner.parameters import CornerParameters
 from sar_planner.rule_sets import make_rule_set
 from sar_planner.situation import Situation
+from sar_planner.vehicle import Vehicle
 
 MAX_WAYPOINTS = 400
 ENGAGE_MODES = ("AUTO", "GUIDED")
@@ -61,6 +63,8 @@ class MissionPlanner:
         self.problem = ""
         self.list: WaypointList | None = None
         self.status = UavStatus()
+        self.vehicle = Vehicle.of({})
+        self.wind_mps = (0.0, 0.0)
         self._in_auto = False
         self._lists = 0
         self._told_mps = 0.0
@@ -105,6 +109,18 @@ class MissionPlanner:
             self.problem = f"released: the UAV was taken to mode {status.mode}"
         self._in_auto = status.mode == "AUTO"
 
+    def set_vehicle(self, vehicle: Vehicle) -> None:
+        """Take what the autopilot says of the UAV."""
+        self.vehicle = vehicle
+        self._pilot.lists.tuning = vehicle.tuning(self.parameters)
+        self._pilot.lists.air = vehicle.air(self.wind_mps)
+
+    def set_wind(self, wind_mps: tuple[float, float]) -> None:
+        """Take where the wind blows to, x and y [m/s]."""
+        if math.isfinite(math.hypot(*wind_mps)):
+            self.wind_mps = wind_mps
+            self._pilot.lists.air = self.vehicle.air(wind_mps)
+
     def set_leg(self, leg: LegEstimate) -> None:
         """Take the leg being flown."""
         if self._pilot.believes(leg):
@@ -136,7 +152,8 @@ class MissionPlanner:
 
     def engage(self, now_s: float) -> str:
         """Begin to lead the UAV; return why not, empty when begun."""
-        reason = self._not_flying() or self.obstacle(now_s)
+        unfit = self.vehicle.refusal(self.corner_parameters, self.parameters, self.wind_mps)
+        reason = self._not_flying() or self.obstacle(now_s) or unfit
         if not reason and not self.engaged:
             self.engaged = True
             self._told_mps = 0.0
@@ -184,9 +201,17 @@ class MissionPlanner:
         """The ground speed asked of the UAV [m/s]; None where it is left to the autopilot."""
         return self._pilot.speed_mps if self.engaged else None
 
-    def newly_asked_mps(self, step_mps: float) -> float | None:
-        """Return the speed asked for when it differs by ``step_mps`` from what was told last."""
+    @property
+    def airspeed_mps(self) -> float | None:
+        """The airspeed that this ground speed takes where the UAV will be, within its envelope."""
         speed = self.speed_mps
+        if speed is None:
+            return None
+        return self._pilot.lists.air.airspeed_mps(self._pilot.course_rad, speed)
+
+    def newly_asked_mps(self, step_mps: float) -> float | None:
+        """Return the airspeed asked for when it differs by ``step_mps`` from what was told last."""
+        speed = self.airspeed_mps
         if speed is None or abs(speed - self._told_mps) < step_mps:
             return None
         self._told_mps = speed

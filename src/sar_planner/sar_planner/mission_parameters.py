@@ -19,23 +19,29 @@ class MissionParameters:
 
     turn_side: 1 for right-turn patterns, -1 for left. rules: rule set. arc_spacing_m: between
     waypoints on arcs, 0 for arc ends only, for autopilots that fly the waypoints' polygon;
-    guide_spacing_m: between those for an L1-guided autopilot. reaction_s: from a decision to the
-    autopilot flying the new list. horizon_m: how far ahead of the UAV the list reaches.
-    slot_tolerance_m: shift of the slot track that is worth a new list. capture_m: from the UAV to
-    the first waypoint of a slot track. stale_s: age at which a position is no longer planned with.
-    speed_range: speeds of the helicopter, relative to V, that the rules are used for; accel_range:
-    decelerations likewise. speed_trim: share of V by which the UAV may be asked to fly faster or
-    slower (deadbeat rules). trim_gain: speed asked for per metre of lag [1/s]. lag_tolerance_m:
-    predicted lag at the end of a path that is worth a correction. ahead_m: how far ahead of its
-    slot the UAV may be on a leg before it is led back to it. separation_margin_m: planned beyond
-    the least separation where that costs nothing. bias_gain: share of the newest corner's extra
-    path in what is expected of the next.
+    guide_spacing_m: between those for an L1-guided autopilot. turn_share: its turn rate at a bank,
+    over a coordinated turn's. roll_lag_s: from its demand to the bank. speed_lead_s: how far ahead
+    of the UAV the airspeed is chosen for. reaction_s: from a decision to the autopilot flying the
+    new list. horizon_m: how far ahead of the UAV the list reaches. slot_tolerance_m: shift of the
+    slot track that is worth a new list. capture_m: from the UAV to the first waypoint of a slot
+    track. stale_s: age at which a position is no longer planned with. speed_range: speeds of the
+    helicopter, relative to V, that the rules are used for; accel_range: decelerations likewise.
+    speed_trim: share of V by which the UAV may be asked to fly faster or slower (deadbeat rules).
+    trim_gain: speed asked for per metre of lag [1/s]. lag_tolerance_m: predicted lag at the end of
+    a path that is worth a correction, and far_tolerance: at least this share of what is left of
+    it. correction_s: least time between two corrections. ahead_m: how far ahead of its slot the
+    UAV may be on a leg before it is led back to it. separation_margin_m: planned beyond the least
+    separation where that costs nothing. bias_gain: share of the newest corner's extra path in what
+    is expected of the next.
     """
 
     turn_side: int = 1
     rules: str = "deadbeat"
     arc_spacing_m: float = 20.0
     guide_spacing_m: float = 30.0
+    turn_share: float = 0.8
+    roll_lag_s: float = 0.35
+    speed_lead_s: float = 3.5
     reaction_s: float = 1.5
     horizon_m: float = 4000.0
     slot_tolerance_m: float = 4.0
@@ -46,6 +52,8 @@ class MissionParameters:
     speed_trim: float = 0.1
     trim_gain: float = 0.1
     lag_tolerance_m: float = 8.0
+    far_tolerance: float = 0.03
+    correction_s: float = 2.0
     ahead_m: float = 60.0
     separation_margin_m: float = 30.0
     bias_gain: float = 0.5
@@ -54,11 +62,21 @@ class MissionParameters:
         """Refuse values out of bounds, naming them."""
         if self.turn_side not in (1, -1):
             raise ParameterError(f"turn_side = {self.turn_side}: expected 1 (right) or -1 (left)")
-        for name in ("arc_spacing_m", "reaction_s", "trim_gain", "separation_margin_m"):
+        for name in (
+            "arc_spacing_m",
+            "reaction_s",
+            "trim_gain",
+            "separation_margin_m",
+            "roll_lag_s",
+            "speed_lead_s",
+            "far_tolerance",
+            "correction_s",
+        ):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ParameterError(f"{name} = {getattr(self, name)}: expected 0 or more")
         for name in (
             "guide_spacing_m",
+            "turn_share",
             "horizon_m",
             "slot_tolerance_m",
             "capture_m",

@@ -9,6 +9,7 @@ from sar_estimator.plane import Pose, wrap_angle
 from sar_estimator.states import CornerEstimate, LegEstimate, Phase
 from sar_planner.automaton import PaperAutomaton
 from sar_planner.geometry import CornerFrame
+from sar_planner.lists import Listed, WaypointLists
 from sar_planner.mission_parameters import (
     ActiveCorner,
     MissionParameters,
@@ -19,7 +20,6 @@ from sar_planner.mission_parameters import (
 from sar_planner.parameters import CornerParameters
 from sar_planner.rules import CornerPlan
 from sar_planner.situation import Situation
-from sar_planner.slot_track import Listed, SlotTrack, path_list
 
 ON_TRACK_M = 60.0
 ON_HEADING_RAD = math.radians(25.0)
@@ -30,6 +30,7 @@ class PaperPilot:
     """Slot track on legs, one of the paper's four rules at corners; nothing in between."""
 
     speed_mps: float | None = None
+    course_rad = 0.0
     corrections = 0
     made_good = 1.0
 
@@ -40,7 +41,7 @@ class PaperPilot:
         self._s = situation
         self._corner = corner
         self._mission = mission
-        self._track = SlotTrack(mission)
+        self.lists = WaypointLists(mission)
         self.active: ActiveCorner | None = None
         self.problem = ""
         self._planned: CornerEstimate | None = None
@@ -56,7 +57,7 @@ class PaperPilot:
 
     def begin(self) -> None:
         """Begin to lead; a corner that is already over is not planned."""
-        self._track.forget()
+        self.lists.forget()
         self.problem = ""
         if self._s.phase is not Phase.DECELERATING:
             self._done_corner = self._s.corners_seen
@@ -128,7 +129,7 @@ class PaperPilot:
         if self.active.committed:
             self._leg_after_s = self.active.estimate.stop_time_s
         self.active = None
-        self._track.forget()
+        self.lists.forget()
 
     def _is_old_leg(self, end: Pose) -> bool:
         assert self.slot is not None
@@ -159,7 +160,7 @@ class PaperPilot:
         first_stop = self.active.first_stop if again and self.active else estimate.stop
         self.active = ActiveCorner(k, estimate, frame, plan, first_stop, speed)
         begin = self.active.flown_m(now_s) + self._mission.reaction_s * speed
-        return str(plan.rule), path_list(self.active.path, self._mission, from_m=begin)
+        return str(plan.rule), self.lists.along(self.active.path, speed, from_m=begin)
 
     def _off_slot(self, frame: CornerFrame) -> str:
         """Return why the UAV is not where the rules take it to be: on the old leg's slot track."""
@@ -186,5 +187,5 @@ class PaperPilot:
         """Lead the UAV along the slot track."""
         if self.active is not None or self.slot is None or self._s.uav is None:
             return None
-        points = self._track.points(self.slot, self._s.uav)
+        points = self.lists.track(self.slot, self._s.uav)
         return None if points is None else (str(Mode.LEG), points)

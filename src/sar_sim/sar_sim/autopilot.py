@@ -26,6 +26,7 @@ from sar_sim.uav import G_MPS2, UavState, ground_motion, step
 OSCILLATION_LOSS = 0.4
 TURN_RADIUS_M = 300.0
 FAR_M = 50_000.0
+WIND_ESTIMATE_S = 15.0
 
 
 class FlightMode(enum.IntEnum):
@@ -62,8 +63,7 @@ class SimAutopilot:
         self._uav, self._datum = uav, datum
         self._guidance: Guidance
         self._guidance, self._limits, self._turn_share = make_guidance(uav)
-        self.steady_wind_mps = wind.vector_mps
-        self.wind_mps = self.steady_wind_mps
+        self.wind_mps = self.wind_estimate_mps = wind.vector_mps
         heading = start.heading_rad
         wx, wy = self.wind_mps
         across = wy * math.cos(heading) - wx * math.sin(heading)
@@ -212,6 +212,11 @@ class SimAutopilot:
 
     def step(self, dt_s: float) -> None:
         """Fly for ``dt_s`` [s]."""
+        share = dt_s / WIND_ESTIMATE_S
+        self.wind_estimate_mps = (
+            self.wind_estimate_mps[0] + share * (self.wind_mps[0] - self.wind_estimate_mps[0]),
+            self.wind_estimate_mps[1] + share * (self.wind_mps[1] - self.wind_estimate_mps[1]),
+        )
         self._since_s += dt_s
         if self._since_s >= self._guidance.period_s - 1e-9:
             self._since_s = 0.0

@@ -9,7 +9,8 @@ from typing import Any
 
 from rclpy.serialization import serialize_message
 
-from sar_bridge.mission_items import first_ahead, waypoint_items
+from sar_bridge.mission_banks import MissionBanks, Write
+from sar_bridge.mission_items import first_ahead
 from sar_estimator import topics
 from sar_estimator.estimator import HelicopterEstimator
 from sar_estimator.fixes import Fix
@@ -29,10 +30,12 @@ from sar_planner.messages import (
     status_outputs,
 )
 from sar_planner.mission import MissionParameters, MissionPlanner, Mode, UavStatus, WaypointList
+from sar_planner.vehicle import Vehicle
 from sar_sim.autopilot import FlightMode
 from sar_sim.bag import BagWriter, canonical
 from sar_sim.gps import Reception
 from sar_sim.helicopter import CornerTruth
+from sar_sim.presets import parameter_values
 from sar_sim.scenario import Scenario, scenario_document
 from sar_sim.truth import TrueEstimates
 from sar_sim.world import World
@@ -116,6 +119,8 @@ class OfflineFlight:
             self._truth = TrueEstimates(self.world.helicopter, self.world.datum)
             mission = replace(mission, reaction_s=0.0)
         self.planner = MissionPlanner(scenario.corner, mission)
+        self._banks = MissionBanks(altitude_m=scenario.sensor.altitude_m)
+        self.planner.set_vehicle(Vehicle.of(parameter_values(scenario.uav)))
         self._corners = list(self.world.corners)
         self._steps = 0
         self._phase = ""
@@ -197,6 +202,7 @@ class OfflineFlight:
         if estimate is not None:
             self.planner.set_helicopter(estimate.motion)
         self.planner.set_uav(replace(self.world.autopilot.motion, time_s=self.now_s))
+        self.planner.set_wind(self.world.autopilot.wind_estimate_mps)
         phase = source.phase(self.now_s)
         if phase != self._phase:
             self._phase = phase
@@ -237,13 +243,25 @@ class OfflineFlight:
                 self._write(topic, decision)
         if waypoints is not None:
             self._load(waypoints)
-        if self.planner.speed_mps is not None:
-            autopilot.airspeed_mps = self.planner.speed_mps
+        if self.planner.airspeed_mps is not None:
+            autopilot.airspeed_mps = self.planner.airspeed_mps
 
     def _load(self, waypoints: WaypointList) -> None:
         """Hand a list to the autopilot as the bridge does, at once."""
         autopilot = self.world.autopilot
-        ahead = first_ahead(waypoints.points, autopilot.motion)
-        autopilot.load(waypoint_items(waypoints.points, self.world.datum, autopilot.altitude_m))
-        autopilot.set_current(ahead + 1)
-        autopilot.set_mode(FlightMode.AUTO)
+        if autopilot.mode is not FlightMode.AUTO or not self._banks.takes(waypoints.points):
+            autopilot.load(self._banks.whole(waypoints.points, self.world.datum))
+            autopilot.set_current(first_ahead(waypoints.points, autopilot.motion) + 1)
+            autopilot.set_mode(FlightMode.AUTO)
+            return
+        write = self._banks.fill(waypoints.points, self.world.datum, autopilot.current)
+        self._put(write)
+        step = self._banks.join(autopilot.current, autopilot.motion, within_s=0.0)
+        if isinstance(step, Write):
+            self._put(step)
+        else:
+            autopilot.set_current(step.seq)
+
+    def _put(self, write: Write) -> None:
+        for i, item in enumerate(write.items):
+            self.world.autopilot.replace_item(write.start + i, item)

@@ -16,8 +16,13 @@ ODD_ACTIONS = ("other_way", "go_on", "break_off")
 # What a preset of the autopilot changes of the defaults.
 AUTOPILOTS: dict[str, dict[str, float]] = {
     "ideal": {},
-    "arduplane": {"roll_lag_s": 0.35},
-    "piccolo2005": {"roll_lag_s": 1.0, "roll_limit_deg": 20.0, "believed_radius_m": 50.0},
+    "arduplane": {"roll_lag_s": 0.35, "speed_lag_s": 3.5},
+    "piccolo2005": {
+        "roll_lag_s": 1.0,
+        "speed_lag_s": 3.5,
+        "roll_limit_deg": 20.0,
+        "believed_radius_m": 50.0,
+    },
 }
 
 
@@ -98,15 +103,15 @@ class Uav:
 
     ``extra_path_min_m``, ``extra_path_max_m``: at every corner, from its first turn on, the UAV
     oscillates about its path, until it has flown so much more than it made good (drawn evenly from
-    ``seed``): the error of the paper's hardware-in-the-loop runs. ``lag_m``: L(1).
-    ``autopilot``: ideal (the paper's kinematic model), arduplane, or piccolo2005 (overestimates its
-    turn rate); in YAML it also sets defaults. ``roll_lag_s``: time constant of the turn rate, 0 for
-    none. Of ideal only, ``min_radius_m``: tightest turn at cruise speed, ``lookahead_m``: of the
-    path follower. Of the others, ``l1_period_s``, ``l1_damping``, ``wp_radius_m``,
-    ``roll_limit_deg``: NAVL1_PERIOD, NAVL1_DAMPING, WP_RADIUS, ROLL_LIMIT_DEG; ``turn_share``: turn
-    rate over that of a coordinated turn at the same bank; ``believed_radius_m``: turn radius that
-    legs are left for, 0 to leave them by WP_RADIUS. ``airspeed_min_mps``, ``airspeed_max_mps``: its
-    envelope.
+    ``seed``): the error of the paper's hardware-in-the-loop runs. ``lag_m``: L(1). ``autopilot``:
+    ideal (the paper's kinematic model), arduplane, or piccolo2005 (overestimates its turn rate);
+    in YAML it also sets defaults. ``roll_lag_s``, ``speed_lag_s``: time constants of turn rate and
+    airspeed, 0 for none. Of ideal only, ``min_radius_m``: tightest turn at cruise speed,
+    ``lookahead_m``: of the path follower. Of the others, ``l1_period_s``, ``l1_damping``,
+    ``wp_radius_m``, ``roll_limit_deg``: NAVL1_PERIOD, NAVL1_DAMPING, WP_RADIUS, ROLL_LIMIT_DEG;
+    ``turn_share``: turn rate over that of a coordinated turn at the same bank;
+    ``believed_radius_m``: turn radius that legs are left for, 0 to leave them by WP_RADIUS.
+    ``airspeed_min_mps``, ``airspeed_max_mps``: its envelope.
     """
 
     lag_m: float = 800.0
@@ -114,6 +119,7 @@ class Uav:
     min_radius_m: float = 80.0
     accel_limit_mps2: float = 1.0
     roll_lag_s: float = 0.0
+    speed_lag_s: float = 0.0
     lookahead_m: float = 8.0
     l1_period_s: float = 15.0
     l1_damping: float = 0.75
@@ -263,6 +269,7 @@ class Scenario:
             ("gps", "sigma_m"),
             ("gps", "doppler_sigma_mps"),
             ("uav", "roll_lag_s"),
+            ("uav", "speed_lag_s"),
             ("uav", "extra_path_min_m"),
             ("uav", "believed_radius_m"),
             ("wind", "speed_mps"),

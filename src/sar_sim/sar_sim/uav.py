@@ -25,11 +25,12 @@ class UavState:
 
 @dataclass(frozen=True, slots=True)
 class UavLimits:
-    """What the airframe can do."""
+    """What the airframe can do, with its speed control: time constants of turn rate and speed."""
 
     min_radius_m: float
     accel_limit_mps2: float
     roll_lag_s: float
+    speed_lag_s: float = 0.0
 
 
 def ground_motion(state: UavState, wind_mps: tuple[float, float]) -> Motion:
@@ -54,8 +55,11 @@ def step(
     if limits.roll_lag_s > 0.0:
         share = -math.expm1(-dt_s / limits.roll_lag_s)
         wanted = state.turn_rate_radps + share * (wanted - state.turn_rate_radps)
-    change = limits.accel_limit_mps2 * dt_s
-    speed = state.airspeed_mps + max(-change, min(change, airspeed_mps - state.airspeed_mps))
+    limit = limits.accel_limit_mps2 * dt_s
+    change = airspeed_mps - state.airspeed_mps
+    if limits.speed_lag_s > 0.0:
+        change *= -math.expm1(-dt_s / limits.speed_lag_s)
+    speed = state.airspeed_mps + max(-limit, min(limit, change))
     run = 0.5 * (state.airspeed_mps + speed) * dt_s
     half_turn = 0.5 * wanted * dt_s
     chord = run * (math.sin(half_turn) / half_turn if abs(half_turn) > 1e-9 else 1.0)

@@ -1,0 +1,168 @@
+"""Lists that replace one another in flight without the autopilot ever showing half of one.
+
+ArduPilot writes an uploaded item at once into the mission it is flying. The mission is therefore
+kept in *banks*: one is flown, a new list is written into one that nothing leads to (a partial
+upload), and a single jump then leads over to it, behind the waypoint that is being flown to. The
+leg being flown, and the one into the new list, stay legs like any others: DO_SET_MISSION_CURRENT
+would begin them anew, and head for the end of the second instead of tracking it. It is used only
+where the new list does not go on from the waypoint being flown to.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from sar_bridge.mission_items import FloatArray, MissionItem, first_ahead, waypoint_items
+from sar_estimator.geodesy import Datum
+from sar_estimator.states import Motion
+
+BANKS = 3
+BANK_ITEMS = 64
+NEAR_M = 12.0
+GAP_M = 10.0
+FOREVER = -1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Write:
+    """Items to put at ``start`` and after it."""
+
+    start: int
+    items: tuple[MissionItem, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class MakeCurrent:
+    """The item to make current: the leg being flown is given up."""
+
+    seq: int
+
+
+def jump_to(seq: int) -> MissionItem:
+    """Return the item that leads to another, always."""
+    params = (float(seq), FOREVER, 0.0, 0.0)
+    return MissionItem(
+        mavlink.MAV_CMD_DO_JUMP, 0, 0, 0.0, frame=mavlink.MAV_FRAME_MISSION, params=params
+    )
+
+
+class MissionBanks:
+    """What the autopilot's mission holds, and where the next list goes. Item 0 is home."""
+
+    def __init__(self, *, altitude_m: float) -> None:
+        """Nothing is held yet."""
+        self._altitude_m = altitude_m
+        self._points: list[FloatArray] = [np.empty((0, 2))] * BANKS
+        self._led_to: int | None = None
+        self._filled = 0
+        self._jump_at: int | None = None
+
+    @staticmethod
+    def _begin(bank: int) -> int:
+        return 1 + bank * BANK_ITEMS
+
+    @staticmethod
+    def bank_of(seq: int) -> int:
+        """Return the bank that an item is in."""
+        return (max(seq, 1) - 1) // BANK_ITEMS
+
+    def takes(self, points: FloatArray) -> bool:
+        """Whether a list goes into a bank of the mission that is held; else it takes a whole one."""
+        return self._led_to is not None and len(points) < BANK_ITEMS
+
+    def whole(self, points: FloatArray, datum: Datum) -> list[MissionItem]:
+        """Return a whole mission with a list, shape (n, 2) [m], in its first bank.
+
+        One that is longer than a bank is a mission of its own.
+        """
+        items = waypoint_items(points, datum, self._altitude_m)
+        self._points = [np.empty((0, 2))] * BANKS
+        self._points[0] = points
+        self._filled, self._jump_at = 0, None
+        self._led_to = 0 if len(points) < BANK_ITEMS else None
+        if self._led_to is None:
+            return items
+        spare = 1 + BANKS * BANK_ITEMS - len(items)
+        return [*items, *([items[-1]] * spare)]
+
+    def forget(self) -> None:
+        """It is not known any more what the autopilot holds."""
+        self._led_to = self._jump_at = None
+
+    def fill(self, points: FloatArray, datum: Datum, current: int) -> Write:
+        """Return what writes a list into a bank that neither is flown nor led to."""
+        taken = {self.bank_of(current), self._led_to}
+        self._filled = next(bank for bank in range(BANKS) if bank not in taken)
+        self._points[self._filled] = points
+        items = waypoint_items(points, datum, self._altitude_m)
+        return Write(self._begin(self._filled), tuple(items[1:]))
+
+    def _point(self, seq: int) -> FloatArray | None:
+        """Return the waypoint an item stands for; None for a loiter, a jump and what is unknown."""
+        if seq < 1 or (self._jump_at is not None and seq == self._jump_at):
+            return None
+        bank = self.bank_of(seq)
+        at = seq - self._begin(bank)
+        if bank >= BANKS or at >= len(self._points[bank]):
+            return None
+        return self._points[bank][at]
+
+    def join(self, current: int, uav: Motion, *, within_s: float) -> Write | MakeCurrent:
+        """Return what leads over to the list written last, the UAV flying to item ``current``.
+
+        ``within_s``: how long it may take until a jump is in its place.
+        """
+        points = self._points[self._filled]
+        begin = self._begin(self._filled)
+        here = np.array((uav.x_m, uav.y_m))
+        for kept in (current, current + 1):
+            target = self._point(kept)
+            same_bank = self.bank_of(kept + 1) == self.bank_of(current)
+            if target is None or not same_bank:
+                break
+            if math.hypot(*(target - here)) < within_s * uav.speed_mps:
+                continue
+            entry = _entry(np.vstack((here, points)), target)
+            if entry is None:
+                break
+            self._led_to, self._jump_at = self._filled, kept + 1
+            return Write(kept + 1, (jump_to(begin + entry),))
+        self._led_to, self._jump_at = self._filled, None
+        return MakeCurrent(begin + first_ahead(points, uav))
+
+    def missed(self, current: int, uav: Motion) -> MakeCurrent | None:
+        """Return what to make current where the UAV was past the jump before it was there."""
+        at = self._jump_at
+        if at is None or self._led_to is None or not at <= current:
+            return None
+        if self.bank_of(current) != self.bank_of(at):
+            return None
+        self._jump_at = None
+        led_to = self._led_to
+        return MakeCurrent(self._begin(led_to) + first_ahead(self._points[led_to], uav))
+
+
+def _entry(line: FloatArray, target: FloatArray) -> int | None:
+    """Return which point of a list, behind the UAV's position in ``line``, comes after ``target``.
+
+    None where the list does not lead past it.
+    """
+    begin, way = line[:-1], np.diff(line, axis=0)
+    lengths = np.maximum(np.hypot(way[:, 0], way[:, 1]), 1e-9)
+    share = np.clip(((target - begin) * way).sum(axis=1) / lengths**2, 0.0, 1.0)
+    off = np.hypot(*(begin + share[:, None] * way - target).T)
+    stations = np.concatenate(([0.0], np.cumsum(lengths)))
+    # The first place that is near: a list may come back to where it has been.
+    near = np.flatnonzero(off <= NEAR_M)
+    if near.size == 0:
+        return None
+    leg = int(near[0])
+    while leg + 1 < len(off) and off[leg + 1] < off[leg]:
+        leg += 1
+    at = stations[leg] + share[leg] * lengths[leg]
+    after = np.flatnonzero(stations[1:] > at + GAP_M)
+    return int(after[0]) if after.size else None

@@ -1,0 +1,87 @@
+"""Waypoint lists: along a path, and along the slot track, renewed when it is due."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sar_estimator.plane import Pose, wrap_angle
+from sar_estimator.states import Motion
+from sar_planner.air import AirEnvelope
+from sar_planner.geometry import FlightPath, FloatArray, Straight
+from sar_planner.guide import Guide, L1Tuning, make_guide
+from sar_planner.mission_parameters import MissionParameters
+from sar_planner.waypoints import path_waypoints, thinned
+
+Listed = tuple[str, FloatArray]
+LEAST_GAP_M = 5.0
+GUIDE_GAP_M = 10.0
+SETTLING_L1 = 4.0
+SAME_PATH_M = 10.0
+SAME_HEADING_RAD = 0.3
+
+
+class WaypointLists:
+    """Makes lists for the autopilot that flies them, and knows which slot track was listed last.
+
+    ``tuning``: of an L1-guided autopilot's guidance; None for one that flies the waypoints'
+    polygon. ``air``: the UAV's airspeeds and the wind.
+    """
+
+    def __init__(self, parameters: MissionParameters) -> None:
+        """Nothing is listed yet."""
+        self._p = parameters
+        self.tuning: L1Tuning | None = None
+        self.air = AirEnvelope()
+        self._listed: Pose | None = None
+        self._guide: Guide | None = None
+
+    def forget(self) -> None:
+        """Something else was listed since."""
+        self._listed = None
+
+    def along(self, path: FlightPath, speed_mps: float, *, from_m: float = 0.0) -> FloatArray:
+        """Return the waypoints of a path in the map, and of the track beyond.
+
+        ``from_m``: distance along it [m] at which they begin. ``speed_mps``: over ground.
+        """
+        beyond = path.end.offset(self._p.horizon_m)
+        far = (beyond.x_m, beyond.y_m)
+        if self.tuning is None:
+            points = path_waypoints(path, self._p.arc_spacing_m, from_m=from_m)
+            return thinned(np.vstack((points, far)), LEAST_GAP_M)
+        settling = Straight(SETTLING_L1 * self.tuning.l1_m(speed_mps))
+        whole = path.then(FlightPath.of(path.end, (settling,)))
+        offset = self._offset_at(path.start)
+        self._guide = make_guide(whole, self.tuning, speed_mps, air=self.air, offset_m=offset)
+        points = self._guide.waypoints(self._p.guide_spacing_m, from_m=from_m)
+        return thinned(np.vstack((points, far)), GUIDE_GAP_M)
+
+    def _offset_at(self, pose: Pose) -> float | None:
+        """Return the offset of the guide that is flown, where a new path goes on from it."""
+        if self._guide is None:
+            return None
+        old = self._guide.path
+        at = old.nearest_m(pose.x_m, pose.y_m, 0.0, old.length_m)
+        there = old.pose_at(at)
+        near = abs(there.across(pose.x_m, pose.y_m)) + abs(there.along(pose.x_m, pose.y_m))
+        turned = abs(wrap_angle(there.heading_rad - pose.heading_rad))
+        if near > SAME_PATH_M or turned > SAME_HEADING_RAD:
+            return None
+        return self._guide.offset_at(at)
+
+    def track(self, slot: Pose, uav: Motion) -> FloatArray | None:
+        """Return the waypoints, shape (2, 2) [m], of a slot track's list that is due, or None."""
+        here = slot.offset(slot.along(uav.x_m, uav.y_m))
+        if self._listed is not None:
+            far = here.offset(1000.0)
+            shift = max(
+                abs(self._listed.across(here.x_m, here.y_m)),
+                0.5 * abs(self._listed.across(far.x_m, far.y_m)),
+            )
+            left = self._p.horizon_m - self._listed.along(uav.x_m, uav.y_m)
+            if shift < self._p.slot_tolerance_m and left > 0.4 * self._p.horizon_m:
+                return None
+        self._listed = here
+        self._guide = None
+        ahead = [here.offset(x) for x in (self._p.capture_m, self._p.horizon_m)]
+        return np.array([(pose.x_m, pose.y_m) for pose in ahead])

@@ -1,0 +1,104 @@
+"""Lists that replace one another in flight."""
+
+import numpy as np
+import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from sar_bridge.mission_banks import BANK_ITEMS, BANKS, MakeCurrent, MissionBanks, Write
+from sar_bridge.mission_items import waypoint_items
+from sar_estimator.geodesy import Datum
+from sar_estimator.states import Motion
+
+DATUM = Datum(37.8, -122.8)
+LINE = np.column_stack((np.arange(100.0, 1000.0, 100.0), np.zeros(9)))
+HERE = Motion(0.0, 50.0, 0.0, 20.0, 0.0)
+
+
+def begun(points=LINE):
+    banks = MissionBanks(altitude_m=150.0)
+    return banks, banks.whole(points, DATUM)
+
+
+def test_whole_mission_has_room_for_three_lists_and_ends_in_loiters():
+    banks, items = begun()
+    assert len(items) == 1 + BANKS * BANK_ITEMS
+    assert items[: len(LINE) + 2] == waypoint_items(LINE, DATUM, 150.0)
+    assert {item.command for item in items[10:]} == {mavlink.MAV_CMD_NAV_LOITER_UNLIM}
+    assert banks.takes(LINE)
+
+
+def test_nothing_is_written_where_the_autopilot_flies_or_is_led_to():
+    banks, _ = begun()
+    first = banks.fill(LINE + (0.0, 1.0), DATUM, 1)
+    assert first.start == 1 + BANK_ITEMS
+    assert isinstance(banks.join(1, HERE, within_s=1.0), Write)
+    second = banks.fill(LINE + (0.0, 2.0), DATUM, 1)
+    assert second.start == 1 + 2 * BANK_ITEMS
+    banks.join(1, HERE, within_s=1.0)
+    third = banks.fill(LINE, DATUM, 1)
+    assert third.start == 1 + BANK_ITEMS
+    banks.join(1, HERE, within_s=1.0)
+    assert banks.fill(LINE, DATUM, 1 + BANK_ITEMS).start == 1
+
+
+def test_new_list_is_joined_behind_the_waypoint_being_flown_to():
+    banks, _ = begun()
+    start = banks.fill(LINE + (30.0, 3.0), DATUM, 1).start
+    step = banks.join(1, HERE, within_s=1.0)
+    assert step.start == 2
+    (jump,) = step.items
+    assert jump.command == mavlink.MAV_CMD_DO_JUMP
+    # 100 is being flown to; the new list's 130 comes after it.
+    assert jump.params[:2] == (float(start), -1.0)
+
+
+def test_a_waypoint_that_is_as_good_as_reached_is_not_counted_on():
+    banks, _ = begun()
+    start = banks.fill(LINE + (30.0, 0.0), DATUM, 1).start
+    step = banks.join(1, Motion(0.0, 95.0, 0.0, 20.0, 0.0), within_s=1.0)
+    assert step.start == 3
+    assert step.items[0].params[0] == start + 1
+
+
+def test_list_that_leads_elsewhere_is_made_current():
+    banks, _ = begun()
+    start = banks.fill(LINE + (0.0, 40.0), DATUM, 1).start
+    assert banks.join(1, HERE, within_s=1.0) == MakeCurrent(start)
+
+
+def test_jump_that_came_too_late_is_noticed():
+    banks, _ = begun()
+    start = banks.fill(LINE, DATUM, 1).start
+    assert banks.join(1, HERE, within_s=1.0).start == 2
+    assert banks.missed(1, HERE) is None
+    assert banks.missed(start + 1, HERE) is None
+    beyond = Motion(1.0, 150.0, 0.0, 20.0, 0.0)
+    assert banks.missed(2, beyond) == MakeCurrent(start + 1)
+    assert banks.missed(2, beyond) is None
+
+
+def test_nothing_is_known_of_an_item_outside_the_lists():
+    banks, _ = begun()
+    banks.fill(LINE, DATUM, 0)
+    for current in (0, len(LINE) + 1, BANK_ITEMS * BANKS + 50):
+        assert isinstance(banks.join(current, HERE, within_s=0.0), MakeCurrent)
+
+
+def test_a_list_that_comes_back_is_joined_where_it_first_passes():
+    loop = np.vstack((LINE, LINE[::-1] + (0.0, 5.0)))
+    banks, _ = begun()
+    start = banks.fill(loop, DATUM, 1).start
+    assert banks.join(1, HERE, within_s=0.0).items[0].params[0] == start + 1
+
+
+@pytest.mark.parametrize("count", [BANK_ITEMS, 3 * BANK_ITEMS])
+def test_long_lists_are_missions_of_their_own(count):
+    long = np.column_stack((np.arange(count) * 20.0, np.zeros(count)))
+    banks, items = begun(long)
+    assert len(items) == count + 2
+    assert not banks.takes(LINE)
+    banks.whole(LINE, DATUM)
+    assert banks.takes(LINE)
+    assert not banks.takes(long)
+    banks.forget()
+    assert not banks.takes(LINE)
