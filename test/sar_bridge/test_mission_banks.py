@@ -29,10 +29,10 @@ def test_whole_mission_has_room_for_three_lists_and_ends_in_loiters():
 
 def test_nothing_is_written_where_the_autopilot_flies_or_is_led_to():
     banks, _ = begun()
-    first = banks.fill(LINE + (0.0, 1.0), DATUM, 1)
+    first = banks.fill(LINE + np.array((0.0, 1.0)), DATUM, 1)
     assert first.start == 1 + BANK_ITEMS
     assert isinstance(banks.join(1, HERE, within_s=1.0), Write)
-    second = banks.fill(LINE + (0.0, 2.0), DATUM, 1)
+    second = banks.fill(LINE + np.array((0.0, 2.0)), DATUM, 1)
     assert second.start == 1 + 2 * BANK_ITEMS
     banks.join(1, HERE, within_s=1.0)
     third = banks.fill(LINE, DATUM, 1)
@@ -43,7 +43,7 @@ def test_nothing_is_written_where_the_autopilot_flies_or_is_led_to():
 
 def test_new_list_is_joined_behind_the_waypoint_being_flown_to():
     banks, _ = begun()
-    start = banks.fill(LINE + (30.0, 3.0), DATUM, 1).start
+    start = banks.fill(LINE + np.array((30.0, 3.0)), DATUM, 1).start
     step = banks.join(1, HERE, within_s=1.0)
     assert step.start == 2
     (jump,) = step.items
@@ -54,7 +54,7 @@ def test_new_list_is_joined_behind_the_waypoint_being_flown_to():
 
 def test_a_waypoint_that_is_as_good_as_reached_is_not_counted_on():
     banks, _ = begun()
-    start = banks.fill(LINE + (30.0, 0.0), DATUM, 1).start
+    start = banks.fill(LINE + np.array((30.0, 0.0)), DATUM, 1).start
     step = banks.join(1, Motion(0.0, 95.0, 0.0, 20.0, 0.0), within_s=1.0)
     assert step.start == 3
     assert step.items[0].params[0] == start + 1
@@ -62,7 +62,7 @@ def test_a_waypoint_that_is_as_good_as_reached_is_not_counted_on():
 
 def test_list_that_leads_elsewhere_is_made_current():
     banks, _ = begun()
-    start = banks.fill(LINE + (0.0, 40.0), DATUM, 1).start
+    start = banks.fill(LINE + np.array((0.0, 40.0)), DATUM, 1).start
     assert banks.join(1, HERE, within_s=1.0) == MakeCurrent(start)
 
 
@@ -85,7 +85,7 @@ def test_nothing_is_known_of_an_item_outside_the_lists():
 
 
 def test_a_list_that_comes_back_is_joined_where_it_first_passes():
-    loop = np.vstack((LINE, LINE[::-1] + (0.0, 5.0)))
+    loop = np.vstack((LINE, LINE[::-1] + np.array((0.0, 5.0))))
     banks, _ = begun()
     start = banks.fill(loop, DATUM, 1).start
     assert banks.join(1, HERE, within_s=0.0).items[0].params[0] == start + 1

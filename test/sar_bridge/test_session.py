@@ -8,6 +8,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_bridge.autopilot_state import AutopilotState, BootClock
 from sar_bridge.commands import Command, CommandQueue
+from sar_bridge.mission_banks import BANK_ITEMS, BANKS
 from sar_bridge.mission_upload import Address
 from sar_bridge.session import AutopilotSession
 from sar_estimator.geodesy import Datum
@@ -23,12 +24,12 @@ LINE = np.array([[300.0, -250.0], [3000.0, -250.0]])
 class Bench:
     """A session and an autopilot joined by bytes."""
 
-    def __init__(self, **options):
+    def __init__(self, *, uav=None, wind=None, **options):
         self.autopilot = SimAutopilot(
             Pose(0.0, -250.0, 0.0),
             speed_mps=20.0,
-            uav=Uav(),
-            wind=Wind(),
+            uav=uav or Uav(),
+            wind=wind or Wind(),
             datum=DATUM,
             altitude_m=150.0,
         )
@@ -98,7 +99,7 @@ def test_first_list_is_uploaded_made_current_and_flown_from_guided(bench):
     bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
     assert bench.autopilot.mode is FlightMode.AUTO
     assert bench.autopilot.current == 1
-    assert len(bench.autopilot.items) == 4
+    assert len(bench.autopilot.items) == 1 + BANKS * BANK_ITEMS
     assert bench.session.uploaded.stamp_s == 1.0
     bench.run(5.0)
     assert bench.autopilot.state.y_m == pytest.approx(-250.0, abs=0.1)
@@ -121,7 +122,7 @@ def test_list_from_before_the_session_does_not_change_the_mode(bench):
     bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now, may_engage=False))
     bench.run(1.0)
     assert bench.autopilot.mode is FlightMode.GUIDED
-    assert len(bench.autopilot.items) == 4
+    assert len(bench.autopilot.items) == 1 + BANKS * BANK_ITEMS
 
 
 def test_waypoints_passed_during_the_upload_are_skipped(bench):
@@ -140,7 +141,7 @@ def test_a_human_changing_the_mode_is_never_fought(bench):
     bench.exchange(bench.session.set_list(LINE + 50.0, 2.0, DATUM, bench.now))
     bench.run(5.0)
     assert bench.autopilot.mode is FlightMode.LOITER
-    assert {m.get_type() for m in bench.sent[before:]} <= {"HEARTBEAT"}
+    assert {m.get_type() for m in bench.sent[before:]} <= {"HEARTBEAT", "PARAM_REQUEST_READ"}
 
 
 def test_a_new_engagement_after_a_release(bench):
@@ -307,3 +308,98 @@ def test_speed_is_not_asked_for_once_a_human_has_taken_the_mode(bench):
     bench.exchange(bench.session.set_speed(18.0, bench.now))
     bench.run(2.0)
     assert command_numbers(bench).count(mavlink.MAV_CMD_DO_CHANGE_SPEED) == sent
+
+
+ARDUPLANE = Uav(autopilot="arduplane", roll_lag_s=0.35, l1_period_s=12.0)
+
+
+def kinds(bench, since=0):
+    return [m.get_type() for m in bench.sent[since:]]
+
+
+def test_list_in_flight_goes_into_a_bank_and_is_joined_without_beginning_a_leg_anew():
+    bench = Bench(uav=ARDUPLANE)
+    bench.run(1.5)
+    line = np.column_stack((np.arange(200.0, 2000.0, 200.0), np.full(9, -250.0)))
+    bench.exchange(bench.session.set_list(line, 1.0, DATUM, bench.now))
+    bench.run(2.0)
+    before, current = len(bench.sent), bench.autopilot.current
+    bench.exchange(bench.session.set_list(line + np.array((50.0, 5.0)), 2.0, DATUM, bench.now))
+    assert kinds(bench, before).count("MISSION_WRITE_PARTIAL_LIST") == 2
+    assert "COMMAND_LONG" not in kinds(bench, before)
+    assert "MISSION_COUNT" not in kinds(bench, before)
+    assert bench.autopilot.current == current
+    assert bench.session.uploaded.stamp_s == 2.0
+    bench.run(20.0)
+    assert bench.autopilot.current > BANK_ITEMS
+    assert bench.autopilot.state.y_m == pytest.approx(-245.0, abs=1.0)
+
+
+def test_list_that_leads_elsewhere_is_made_current():
+    bench = Bench(uav=ARDUPLANE)
+    bench.run(1.5)
+    bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
+    bench.run(2.0)
+    turn = np.array([[250.0, -350.0], [250.0, -1000.0]])
+    bench.exchange(bench.session.set_list(turn, 2.0, DATUM, bench.now))
+    assert bench.autopilot.current == 1 + BANK_ITEMS
+    assert command_numbers(bench)[-1] == mavlink.MAV_CMD_DO_SET_MISSION_CURRENT
+
+
+def test_list_that_comes_while_a_part_is_written_waits_for_it():
+    bench = Bench()
+    bench.run(1.5)
+    bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
+    bench.run(1.2)
+    first = bench.session.set_list(LINE + 1.0, 2.0, DATUM, bench.now)
+    assert [m.get_type() for m in first] == ["MISSION_WRITE_PARTIAL_LIST"]
+    assert bench.session.set_list(LINE + 2.0, 3.0, DATUM, bench.now) == []
+    bench.exchange(first)
+    assert bench.session.uploaded.stamp_s == 3.0
+    assert bench.session.problem(bench.now) == ""
+
+
+def test_part_that_is_refused_is_followed_by_the_whole():
+    bench = Bench()
+    bench.run(1.5)
+    bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
+    bench.run(1.2)
+    bench.autopilot.truncate(2)
+    before = len(bench.sent)
+    bench.exchange(bench.session.set_list(LINE + 1.0, 2.0, DATUM, bench.now))
+    assert "refused" in bench.session.problem(bench.now)
+    bench.run(2.0)
+    assert "MISSION_COUNT" in kinds(bench, before)
+    assert bench.session.uploaded.stamp_s == 2.0
+    assert bench.session.problem(bench.now) == ""
+
+
+def test_nothing_is_counted_on_after_a_reboot():
+    bench = Bench()
+    bench.run(6.0)
+    bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
+    bench.server._next_position_s = 0.0
+    bench.exchange(bench.hear(bench.server.telemetry(0.0)))
+    assert bench.session.state.clock.reboots == 1
+    before = len(bench.sent)
+    bench.exchange(bench.session.set_list(LINE + 1.0, 2.0, DATUM, bench.now))
+    assert "MISSION_COUNT" in kinds(bench, before)
+
+
+def test_parameters_and_wind_are_learnt():
+    bench = Bench(uav=ARDUPLANE, wind=Wind(6.0, 270.0))
+    bench.run(3.0)
+    assert bench.session.parameters_told
+    assert bench.session.parameters["NAVL1_PERIOD"] == 12.0
+    assert bench.session.parameters["ROLL_LIMIT_DEG"] == 65.0
+    assert bench.session.state.wind.vector_mps == pytest.approx((6.0, 0.0), abs=1e-4)
+
+
+def test_an_autopilot_that_tells_no_parameters_is_not_asked_for_ever():
+    bench = Bench()
+    bench.run(20.0)
+    assert bench.session.parameters_told
+    assert bench.session.parameters == {}
+    before = len(bench.sent)
+    bench.run(5.0)
+    assert "PARAM_REQUEST_READ" not in kinds(bench, before)

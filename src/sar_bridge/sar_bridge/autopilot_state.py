@@ -14,6 +14,9 @@ from sar_estimator.geodesy import Datum, valid_position
 from sar_estimator.states import Motion
 
 CLOCK_WINDOW = 50
+WIND_SILENCE_S = 10.0
+WIND_TIME_S = 15.0
+LEAST_AIRSPEED_MPS = 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +61,39 @@ class BootClock:
         return boot_s + statistics.median(self._offsets)
 
 
+class WindState:
+    """The wind: as the autopilot's WIND message tells it, else from track against heading.
+
+    ``vector_mps``: where it blows to, x and y [m/s], None while nothing is known.
+    """
+
+    def __init__(self) -> None:
+        """Nothing is known yet."""
+        self.vector_mps: tuple[float, float] | None = None
+        self.airspeed_mps = 0.0
+        self._told_s = self._seen_s = -math.inf
+
+    def told(self, from_deg: float, speed_mps: float, monotonic_s: float) -> None:
+        """Take the autopilot's own estimate: direction it blows from [deg from north], speed."""
+        if not (math.isfinite(from_deg) and math.isfinite(speed_mps)):
+            return
+        towards = math.radians(270.0 - from_deg)
+        self.vector_mps = (speed_mps * math.cos(towards), speed_mps * math.sin(towards))
+        self._told_s = monotonic_s
+
+    def seen(self, motion: Motion, yaw_rad: float, monotonic_s: float) -> None:
+        """Take a velocity over ground and a heading; used while the autopilot tells nothing."""
+        silent = monotonic_s - self._told_s > WIND_SILENCE_S
+        if not silent or not self.airspeed_mps > LEAST_AIRSPEED_MPS:
+            return
+        east = motion.vx_mps - self.airspeed_mps * math.cos(yaw_rad)
+        north = motion.vy_mps - self.airspeed_mps * math.sin(yaw_rad)
+        share = -math.expm1(-max(0.0, monotonic_s - self._seen_s) / WIND_TIME_S)
+        self._seen_s = monotonic_s
+        was = self.vector_mps or (east, north)
+        self.vector_mps = (was[0] + share * (east - was[0]), was[1] + share * (north - was[1]))
+
+
 class AutopilotState:
     """Folds telemetry messages into what the rest needs to know.
 
@@ -77,6 +113,7 @@ class AutopilotState:
         self.position_s = -math.inf
         self._vehicle = mavlink.MAV_TYPE_FIXED_WING
         self._attitude = (0.0, 0.0)
+        self.wind = WindState()
 
     def handle(
         self,
@@ -92,11 +129,18 @@ class AutopilotState:
             self._heartbeat(message, monotonic_s)
         elif kind == "ATTITUDE":
             self._attitude = (message.roll, message.pitch)
+        elif kind == "WIND":
+            self.wind.told(message.direction, message.speed, monotonic_s)
+        elif kind == "VFR_HUD":
+            self.wind.airspeed_mps = message.airspeed
         elif kind == "MISSION_CURRENT":
             self.current_item = message.seq
         elif kind == "GLOBAL_POSITION_INT" and datum is not None:
             self.position_s = monotonic_s
-            return self._position(message, ros_s, datum)
+            moved = self._position(message, ros_s, datum)
+            if moved and self.telemetry is not None:
+                self.wind.seen(self.telemetry.motion, self.telemetry.yaw_rad, monotonic_s)
+            return moved
         return False
 
     def _heartbeat(self, message: mavlink.MAVLink_message, monotonic_s: float) -> None:

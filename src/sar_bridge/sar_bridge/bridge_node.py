@@ -10,6 +10,7 @@ import time
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Vector3Stamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -28,6 +29,7 @@ from sar_estimator.messages import (
     path_to_points,
     text_message,
     to_quaternion,
+    vector_message,
 )
 from sar_estimator.node_support import LATCHED, RELIABLE, now_s, parameter, run_node
 
@@ -57,6 +59,9 @@ class BridgeNode(Node):
         self._odometry = self.create_publisher(Odometry, topics.UAV_ODOMETRY, RELIABLE)
         self._state = self.create_publisher(String, topics.UAV_STATE, LATCHED)
         self._uploaded = self.create_publisher(String, topics.UPLOADED, RELIABLE)
+        self._autopilot = self.create_publisher(String, topics.AUTOPILOT, LATCHED)
+        self._wind = self.create_publisher(Vector3Stamped, topics.WIND, RELIABLE)
+        self._told_autopilot = ""
         self._diagnostics = self.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, RELIABLE)
         self.create_subscription(Path, topics.WAYPOINTS, self._on_list, LATCHED)
         self.create_subscription(Float64, topics.SPEED, self._on_speed, LATCHED)
@@ -198,9 +203,15 @@ class BridgeNode(Node):
                 "upload_ms": "" if uploaded is None else f"{1e3 * uploaded.duration_s:.0f}",
             }
             problem = session.problem(now)
-        self._diagnostics.publish(
-            diagnostics(now_s(self), "bridge", problem=problem, values=values)
-        )
+            parameters = json.dumps(session.parameters) if session.parameters_told else ""
+            wind = session.state.wind.vector_mps
+        stamp = now_s(self)
+        self._diagnostics.publish(diagnostics(stamp, "bridge", problem=problem, values=values))
+        if parameters and parameters != self._told_autopilot:
+            self._told_autopilot = parameters
+            self._autopilot.publish(text_message(parameters))
+        if wind is not None:
+            self._wind.publish(vector_message(stamp, *wind))
 
 
 def main() -> int:

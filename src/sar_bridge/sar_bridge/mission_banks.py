@@ -71,7 +71,7 @@ class MissionBanks:
         return (max(seq, 1) - 1) // BANK_ITEMS
 
     def takes(self, points: FloatArray) -> bool:
-        """Whether a list goes into a bank of the mission that is held; else it takes a whole one."""
+        """Whether a list goes into a bank of what is held; else it takes a whole mission."""
         return self._led_to is not None and len(points) < BANK_ITEMS
 
     def whole(self, points: FloatArray, datum: Datum) -> list[MissionItem]:
@@ -90,7 +90,7 @@ class MissionBanks:
         return [*items, *([items[-1]] * spare)]
 
     def forget(self) -> None:
-        """It is not known any more what the autopilot holds."""
+        """Count on nothing: what the autopilot holds is not known any more."""
         self._led_to = self._jump_at = None
 
     def fill(self, points: FloatArray, datum: Datum, current: int) -> Write:

@@ -1,7 +1,8 @@
 """Mission upload by the MAVLink mission protocol, as a pure state machine.
 
 https://mavlink.io/en/services/mission.html: COUNT, then the autopilot asks for every item, then
-ACK. The sender repeats what was not answered; a newer list supersedes one under way.
+ACK. The sender repeats what was not answered; a newer list supersedes one under way. A part of the
+mission that is held is written with WRITE_PARTIAL_LIST in the place of COUNT.
 """
 
 from __future__ import annotations
@@ -54,6 +55,8 @@ class MissionUpload:
         self.started_s = 0.0
         self.finished_s = 0.0
         self._items: list[MissionItem] = []
+        self._first = 0
+        self.partial = False
         self._last: mavlink.MAVLink_message | None = None
         self._sent_s = 0.0
         self._tries = 0
@@ -64,14 +67,31 @@ class MissionUpload:
         """Whether an upload is under way."""
         return self.state in (UploadState.COUNTING, UploadState.SENDING)
 
+    @property
+    def _end(self) -> int:
+        return self._first + len(self._items)
+
     def start(
-        self, items: list[MissionItem], token: object, now_s: float
+        self, items: list[MissionItem], token: object, now_s: float, *, at: int | None = None
     ) -> list[mavlink.MAVLink_message]:
-        """Begin to upload ``items``, superseding any other; return what to send."""
+        """Begin to upload ``items``, superseding any other; return what to send.
+
+        A whole mission, or with ``at`` in the place of the items that are held from there on.
+        """
         self._items, self.token = items, token
+        self.partial, self._first = at is not None, at or 0
         self.state, self.failure = UploadState.COUNTING, ""
         self.started_s = now_s
-        self._highest_asked = -1
+        self._highest_asked = self._first - 1
+        if at is not None:
+            part = mavlink.MAVLink_mission_write_partial_list_message(
+                self.target.system,
+                self.target.component,
+                at,
+                at + len(items) - 1,
+                mavlink.MAV_MISSION_TYPE_MISSION,
+            )
+            return self._send(part, now_s)
         count = mavlink.MAVLink_mission_count_message(
             self.target.system,
             self.target.component,
@@ -109,12 +129,12 @@ class MissionUpload:
         seq = message.seq
         if getattr(message, "mission_type", 0) != mavlink.MAV_MISSION_TYPE_MISSION:
             return []
-        if seq >= len(self._items) or seq > self._highest_asked + 1:
+        if not self._first <= seq < self._end or seq > self._highest_asked + 1:
             # Left over from a list that this one superseded: to answer would mix the two.
             return []
         self.state = UploadState.SENDING
         self._highest_asked = max(self._highest_asked, seq)
-        item = self._items[seq]
+        item = self._items[seq - self._first]
         sent = mavlink.MAVLink_mission_item_int_message(
             self.target.system,
             self.target.component,
@@ -134,7 +154,7 @@ class MissionUpload:
     def _acknowledged(self, message: mavlink.MAVLink_message, now_s: float) -> None:
         if getattr(message, "mission_type", 0) != mavlink.MAV_MISSION_TYPE_MISSION:
             return
-        complete = self._highest_asked == len(self._items) - 1
+        complete = self._highest_asked == self._end - 1
         if message.type == mavlink.MAV_MISSION_ACCEPTED:
             if complete:
                 self.state, self.finished_s = UploadState.ACCEPTED, now_s
@@ -151,7 +171,7 @@ class MissionUpload:
         if not self.active or self._last is None:
             return []
         limit = COUNT_TIMEOUT_S if self.state is UploadState.COUNTING else ITEM_TIMEOUT_S
-        if self._highest_asked == len(self._items) - 1:
+        if self._highest_asked == self._end - 1:
             limit = COUNT_TIMEOUT_S
         if now_s - self._sent_s < limit:
             return []

@@ -12,8 +12,10 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_bridge.autopilot_state import AutopilotState
 from sar_bridge.commands import Command, CommandQueue
+from sar_bridge.mission_banks import MakeCurrent, MissionBanks, Write
 from sar_bridge.mission_items import FloatArray, first_ahead, waypoint_items
 from sar_bridge.mission_upload import Address, MissionUpload, UploadState
+from sar_bridge.parameter_reader import ParameterReader
 from sar_estimator.geodesy import Datum
 
 HEARTBEAT_PERIOD_S = 1.0
@@ -26,8 +28,11 @@ SPEED_PERIOD_S = 1.0
 STREAMS = {
     mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: 10.0,
     mavlink.MAVLINK_MSG_ID_ATTITUDE: 10.0,
-    mavlink.MAVLINK_MSG_ID_MISSION_CURRENT: 2.0,
+    mavlink.MAVLINK_MSG_ID_MISSION_CURRENT: 5.0,
+    mavlink.MAVLINK_MSG_ID_VFR_HUD: 2.0,
+    mavlink.MAVLINK_MSG_ID_WIND: 1.0,
 }
+JOIN_S = 0.5
 
 Messages = list[mavlink.MAVLink_message]
 
@@ -57,6 +62,12 @@ class AutopilotSession:
         self.uploaded: Uploaded | None = None
         self._wanted_system = target_system
         self._upload: MissionUpload | None = None
+        self._reader: ParameterReader | None = None
+        self._banks = MissionBanks(altitude_m=altitude_m)
+        self._joining = False
+        self._begun_s = 0.0
+        self._later = False
+        self._reboots = 0
         self._commands: CommandQueue | None = None
         self._points: FloatArray | None = None
         self._stamp_s = 0.0
@@ -99,10 +110,7 @@ class AutopilotSession:
         return self._start_upload(now_s)
 
     def set_speed(self, speed_mps: float, now_s: float) -> Messages:
-        """Ask for a speed [m/s] while a list is flown; small changes and many are kept back.
-
-        As DO_CHANGE_SPEED of the airspeed, which in calm air is the ground speed.
-        """
+        """Ask for an airspeed [m/s] while a list is flown; small changes and many are kept back."""
         self._speed_wanted_mps = speed_mps
         return self._send_speed(now_s)
 
@@ -161,12 +169,17 @@ class AutopilotSession:
             return out, False
         moved = self.state.handle(message, monotonic_s=now_s, ros_s=ros_s, datum=datum)
         self._commands.handle(message)
+        if self._reader is not None:
+            self._reader.handle(message)
         before = self._upload.state
         out += self._upload.handle(message, now_s)
         if self._upload.state is UploadState.ACCEPTED and before is not UploadState.ACCEPTED:
             out += self._accepted(now_s)
         if message.get_type() == "HEARTBEAT":
             self._watch_mode()
+        elif message.get_type() == "MISSION_CURRENT":
+            out += self._watch_jump(now_s)
+        self._watch_reboots()
         return out, moved
 
     def _is_autopilot(self, message: mavlink.MAVLink_message, sender: Address) -> bool:
@@ -178,6 +191,7 @@ class AutopilotSession:
         self.address = address
         self._upload = MissionUpload(address)
         self._commands = CommandQueue(address)
+        self._reader = ParameterReader(address)
         self._mode_flown = ""
         return self._start_upload(now_s)
 
@@ -203,6 +217,8 @@ class AutopilotSession:
                 self._ask_for_streams(now_s) + self._upload.tick(now_s) + self._commands.tick(now_s)
             )
             out += self._send_speed(now_s)
+            if self._reader is not None and self.state.ardupilot:
+                out += self._reader.tick(now_s)
             failed = self._upload.state is UploadState.FAILED
             if failed and now_s - self._upload.finished_s > RETRY_LIST_S:
                 out += self._start_upload(now_s)
@@ -242,31 +258,86 @@ class AutopilotSession:
     # Steps -------------------------------------------------------------------------------------
 
     def _start_upload(self, now_s: float) -> Messages:
+        """Upload the newest list: into a bank of the mission being flown, or as a whole mission."""
         if self._upload is None or self._points is None or self._datum is None:
             return []
-        items = waypoint_items(self._points, self._datum, self.altitude_m)
+        if self._upload.active and self._upload.partial:
+            # ArduPilot denies a part while it receives another: after this one.
+            self._later = True
+            return []
+        if self._upload.state is UploadState.FAILED and self._upload.partial:
+            self._banks.forget()
+        self._later = self._joining = False
+        self._begun_s = now_s
         if not self.state.ardupilot:
-            items = items[1:]
-        return self._upload.start(items, self._stamp_s, now_s)
+            items = waypoint_items(self._points, self._datum, self.altitude_m)[1:]
+            return self._upload.start(items, self._stamp_s, now_s)
+        if self.state.mode == "AUTO" and self._banks.takes(self._points):
+            write = self._banks.fill(self._points, self._datum, self.state.current_item)
+            return self._write(write, now_s)
+        whole = self._banks.whole(self._points, self._datum)
+        return self._upload.start(whole, self._stamp_s, now_s)
+
+    def _write(self, write: Write, now_s: float) -> Messages:
+        assert self._upload is not None
+        return self._upload.start(list(write.items), self._stamp_s, now_s, at=write.start)
 
     def _accepted(self, now_s: float) -> Messages:
-        """Make the first waypoint ahead current; from GUIDED, begin to fly the mission."""
+        """Go on after an upload: lead over to the list, or make it current and begin to fly it."""
         assert self._upload is not None
-        assert self._commands is not None
         if self._points is None:
             return []
-        duration = now_s - self._upload.started_s
-        self.uploaded = Uploaded(self._stamp_s, len(self._points), duration)
+        if self._upload.partial and self._later and not self._joining:
+            return self._start_upload(now_s)
         telemetry = self.state.telemetry
-        ahead = first_ahead(self._points, None if telemetry is None else telemetry.motion)
-        seq = ahead + (1 if self.state.ardupilot else 0)
-        out = self._commands.send(
-            Command(mavlink.MAV_CMD_DO_SET_MISSION_CURRENT, (float(seq),)), now_s
-        )
+        motion = None if telemetry is None else telemetry.motion
+        out: Messages = []
+        if self._upload.partial and not self._joining and motion is not None:
+            step = self._banks.join(self.state.current_item, motion, within_s=JOIN_S)
+            if isinstance(step, Write):
+                self._joining = True
+                return self._write(step, now_s)
+            out += self._make_current(step.seq, now_s)
+        elif not self._upload.partial:
+            ahead = first_ahead(self._points, motion)
+            out += self._make_current(ahead + (1 if self.state.ardupilot else 0), now_s)
+        self._joining = False
+        self.uploaded = Uploaded(self._stamp_s, len(self._points), now_s - self._begun_s)
         if self._engaging and self.state.mode == "GUIDED":
             out += self._mode_command("AUTO", now_s)
         self._engaging = False
-        return out
+        return out + (self._start_upload(now_s) if self._later else [])
+
+    def _make_current(self, seq: int, now_s: float) -> Messages:
+        assert self._commands is not None
+        number = mavlink.MAV_CMD_DO_SET_MISSION_CURRENT
+        return self._commands.send(Command(number, (float(seq),)), now_s)
+
+    def _watch_jump(self, now_s: float) -> Messages:
+        """Make the new list current where the UAV was past the jump before it was in its place."""
+        telemetry = self.state.telemetry
+        if self._joining or self._points is None or telemetry is None:
+            return []
+        step: MakeCurrent | None = self._banks.missed(self.state.current_item, telemetry.motion)
+        return [] if step is None else self._make_current(step.seq, now_s)
+
+    def _watch_reboots(self) -> None:
+        """Count on nothing that the autopilot held before it was restarted."""
+        if self.state.clock.reboots != self._reboots:
+            self._reboots = self.state.clock.reboots
+            self._banks.forget()
+            if self._reader is not None:
+                self._reader.again()
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """What is known of the autopilot's parameters."""
+        return {} if self._reader is None else self._reader.values
+
+    @property
+    def parameters_told(self) -> bool:
+        """Whether all that will be known of the parameters is known."""
+        return self._reader is not None and (self._reader.done or not self.state.ardupilot)
 
     def _mode_command(self, name: str, now_s: float) -> Messages:
         if self._commands is None:

@@ -14,6 +14,7 @@ from geometry_msgs.msg import (
     PoseWithCovarianceStamped,
     Quaternion,
     TwistStamped,
+    Vector3Stamped,
 )
 from geometry_msgs.msg import Pose as PoseMessage
 from nav_msgs.msg import Odometry, Path
@@ -321,6 +322,15 @@ def fix_to_message(fix: Fix) -> NavSatFix:
         full[2, 2] = 4.0 * float(np.trace(fix.covariance_m2))
         message.position_covariance = full.ravel()
         message.position_covariance_type = NavSatFix.COVARIANCE_TYPE_KNOWN
+    return message
+
+
+def vector_message(time_s: float, x: float, y: float) -> Vector3Stamped:
+    """Return a horizontal vector in the map frame."""
+    message = Vector3Stamped()
+    message.header.stamp = to_stamp(time_s)
+    message.header.frame_id = FRAME
+    message.vector.x, message.vector.y = x, y
     return message
 
 

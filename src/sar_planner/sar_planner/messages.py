@@ -23,6 +23,7 @@ from sar_estimator.messages import (
 )
 from sar_estimator.states import Motion
 from sar_planner.mission import ActiveCorner, MissionPlanner, Mode, UavStatus, WaypointList
+from sar_planner.vehicle import Vehicle
 
 SPEED_STEP_MPS = 0.05
 
@@ -155,6 +156,17 @@ def status_from_text(text: str) -> UavStatus:
         raise ValueError(f"{text[:80]!r}: expected mode, armed and connected") from error
 
 
+def vehicle_from_text(text: str) -> Vehicle:
+    """Return the UAV that parameters in JSON describe. Raises ``ValueError`` for anything else."""
+    try:
+        values = {str(name): float(value) for name, value in json.loads(text).items()}
+    except (AttributeError, TypeError, ValueError) as error:
+        raise ValueError(f"{text[:80]!r}: expected names and numbers") from error
+    if not all(math.isfinite(value) for value in values.values()):
+        raise ValueError(f"{text[:80]!r}: expected finite numbers")
+    return Vehicle(values)
+
+
 def planner_diagnostics(planner: MissionPlanner, time_s: float) -> DiagnosticArray:
     """Return the planner's status."""
     separation, lag = planner.separation_m(), planner.lag_m()
@@ -169,6 +181,11 @@ def planner_diagnostics(planner: MissionPlanner, time_s: float) -> DiagnosticArr
             "lag_m": "" if lag is None else f"{lag:.1f}",
             "separation_m": "" if separation is None else f"{separation:.1f}",
             "speed_asked_mps": "" if planner.speed_mps is None else f"{planner.speed_mps:.1f}",
+            "airspeed_asked_mps": (
+                "" if planner.airspeed_mps is None else f"{planner.airspeed_mps:.1f}"
+            ),
+            "wind_mps": f"{math.hypot(*planner.wind_mps):.1f}",
+            "autopilot": planner.vehicle.warning(),
             "corrections": planner.corrections,
             "made_good": f"{planner.made_good:.2f}",
             "lists": 0 if planner.list is None else planner.list.number,

@@ -63,7 +63,7 @@ class MissionPlanner:
         self.problem = ""
         self.list: WaypointList | None = None
         self.status = UavStatus()
-        self.vehicle = Vehicle.of({})
+        self.vehicle = Vehicle({})
         self.wind_mps = (0.0, 0.0)
         self._in_auto = False
         self._lists = 0

@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Vector3Stamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.node import Node
 from std_msgs.msg import Float64, String
@@ -28,6 +29,7 @@ from sar_planner.messages import (
     planner_diagnostics,
     status_from_text,
     status_outputs,
+    vehicle_from_text,
 )
 from sar_planner.mission import MissionParameters, MissionPlanner, Mode
 from sar_planner.parameters import CornerParameters
@@ -67,6 +69,8 @@ class PlannerNode(Node):
             (Path, topics.PREDICTION, self._on_prediction, RELIABLE),
             (String, topics.PHASE, self._on_phase, LATCHED),
             (String, topics.UAV_STATE, self._on_state, LATCHED),
+            (String, topics.AUTOPILOT, self._on_autopilot, LATCHED),
+            (Vector3Stamped, topics.WIND, self._on_wind, RELIABLE),
         ):
             self.create_subscription(kind, topic, callback, qos)
         self.create_service(Trigger, topics.ENGAGE, self._on_engage)
@@ -98,6 +102,19 @@ class PlannerNode(Node):
         self._planner.set_status(status)
         if was is not Mode.IDLE and self._planner.mode is Mode.IDLE:
             self._withdraw()
+
+    def _on_autopilot(self, message: String) -> None:
+        try:
+            vehicle = vehicle_from_text(message.data)
+        except ValueError as error:
+            self.get_logger().warning(f"{topics.AUTOPILOT}: {error}")
+            return
+        self._planner.set_vehicle(vehicle)
+        if warning := vehicle.warning():
+            self.get_logger().warning(warning)
+
+    def _on_wind(self, message: Vector3Stamped) -> None:
+        self._planner.set_wind((message.vector.x, message.vector.y))
 
     def _on_prediction(self, message: Path) -> None:
         try:

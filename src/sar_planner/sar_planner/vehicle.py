@@ -12,41 +12,13 @@ from sar_planner.mission_parameters import MissionParameters
 from sar_planner.parameters import CornerParameters
 
 G_MPS2 = 9.80665
-# What is read: the newer name, the older one, and the factor that the older one's unit takes.
-NAMES: dict[str, tuple[str, float]] = {
-    "NAVL1_PERIOD": ("NAVL1_PERIOD", 1.0),
-    "NAVL1_DAMPING": ("NAVL1_DAMPING", 1.0),
-    "WP_RADIUS": ("WP_RADIUS", 1.0),
-    "ROLL_LIMIT_DEG": ("LIM_ROLL_CD", 0.01),
-    "AIRSPEED_CRUISE": ("TRIM_ARSPD_CM", 0.01),
-    "AIRSPEED_MIN": ("ARSPD_FBW_MIN", 1.0),
-    "AIRSPEED_MAX": ("ARSPD_FBW_MAX", 1.0),
-    "FS_GCS_ENABL": ("FS_GCS_ENABL", 1.0),
-    "FS_LONG_TIMEOUT": ("FS_LONG_TIMEOUT", 1.0),
-}
-
-
-def canonical(values: Mapping[str, float]) -> dict[str, float]:
-    """Return what is read of ArduPlane's parameters under their newer names and units."""
-    found = {}
-    for name, (old, factor) in NAMES.items():
-        if name in values:
-            found[name] = float(values[name])
-        elif old in values:
-            found[name] = float(values[old]) * factor
-    return found
 
 
 @dataclass(frozen=True, slots=True)
 class Vehicle:
-    """An autopilot's parameters under their newer names; none for one that tells nothing."""
+    """An autopilot's parameters by ArduPlane's names; none for one that tells nothing."""
 
     values: Mapping[str, float]
-
-    @staticmethod
-    def of(values: Mapping[str, float]) -> Vehicle:
-        """Return the vehicle that parameters, under newer or older names, describe."""
-        return Vehicle(canonical(values))
 
     def tuning(self, mission: MissionParameters) -> L1Tuning | None:
         """Return the lateral guidance, None where it is not L1's."""

@@ -123,6 +123,11 @@ class SimAutopilot:
         self.items = list(items)
         self._points = [self._point(item) for item in items]
 
+    def truncate(self, count: int) -> None:
+        """Drop the items from ``count`` on."""
+        del self.items[count:]
+        del self._points[count:]
+
     def replace_item(self, seq: int, item: MissionItem) -> None:
         """Put an item in the place of another, or behind the last."""
         self.items[seq : seq + 1] = [item]

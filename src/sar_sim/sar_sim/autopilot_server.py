@@ -12,6 +12,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from sar_bridge.mission_items import MissionItem
 from sar_estimator.geodesy import Datum
 from sar_sim.autopilot import FlightMode, SimAutopilot
+from sar_sim.presets import parameter_values
 
 ITEM_TIMEOUT_S = 0.25
 ITEM_RETRIES = 20
@@ -31,8 +32,8 @@ class AutopilotServer:
     def __init__(self, autopilot: SimAutopilot, datum: Datum) -> None:
         """Serve ``autopilot``, whose positions count from ``datum``."""
         self._autopilot, self._datum = autopilot, datum
-        self._incoming: dict[int, MissionItem] = {}
-        self._expected = 0
+        self._next = self._end = 0
+        self._parameters = parameter_values(autopilot.uav)
         self._partner = (0, 0)
         self._asked_s = 0.0
         self._asked = 0
@@ -43,7 +44,7 @@ class AutopilotServer:
 
     def transferring(self, now_s: float) -> bool:
         """Whether a mission is on its way in, or was just taken and not yet made current."""
-        return self._expected > 0 or now_s < self._settled_s
+        return self._next < self._end or now_s < self._settled_s
 
     # Ground station to autopilot ---------------------------------------------------------------
 
@@ -55,7 +56,9 @@ class AutopilotServer:
         handler = {
             "HEARTBEAT": self._heard,
             "MISSION_COUNT": self._count,
+            "MISSION_WRITE_PARTIAL_LIST": self._partial,
             "MISSION_ITEM_INT": self._item,
+            "PARAM_REQUEST_READ": self._parameter,
             "COMMAND_LONG": self._command,
             "MISSION_REQUEST_LIST": self._list,
             "MISSION_REQUEST_INT": self._download,
@@ -72,23 +75,33 @@ class AutopilotServer:
     def _count(self, message: mavlink.MAVLink_message, now_s: float) -> Messages:
         if message.mission_type != mavlink.MAV_MISSION_TYPE_MISSION:
             return [self._ack(mavlink.MAV_MISSION_UNSUPPORTED)]
-        self._incoming, self._expected = {}, message.count
-        if self._expected == 0:
-            self._autopilot.load([])
+        # As ArduPilot: the mission is cut to its new length now, items are put in as they come.
+        self._autopilot.truncate(message.count)
+        self._next, self._end = 0, message.count
+        if self._end == 0:
             return [self._ack(mavlink.MAV_MISSION_ACCEPTED)]
+        return self._ask(now_s)
+
+    def _partial(self, message: mavlink.MAVLink_message, now_s: float) -> Messages:
+        if self._next < self._end:
+            return [self._ack(mavlink.MAV_MISSION_DENIED)]
+        held = len(self._autopilot.items)
+        if not 0 <= message.start_index <= message.end_index <= held:
+            return [self._ack(mavlink.MAV_MISSION_ERROR)]
+        self._next, self._end = message.start_index, message.end_index + 1
         return self._ask(now_s)
 
     def _ask(self, now_s: float) -> Messages:
         self._asked_s, self._asked = now_s, 0
-        return [mavlink.MAVLink_mission_request_int_message(*self._partner, len(self._incoming))]
+        return [mavlink.MAVLink_mission_request_int_message(*self._partner, self._next)]
 
     def _item(self, message: mavlink.MAVLink_message, now_s: float) -> Messages:
-        if self._expected == 0:
+        if self._next >= self._end:
             return []
-        if message.seq != len(self._incoming):
+        if message.seq != self._next:
             # As ArduPilot: the transfer goes on.
             return [self._ack(mavlink.MAV_MISSION_INVALID_SEQUENCE)]
-        self._incoming[message.seq] = MissionItem(
+        item = MissionItem(
             message.command,
             message.x,
             message.y,
@@ -96,12 +109,20 @@ class AutopilotServer:
             message.frame,
             (message.param1, message.param2, message.param3, message.param4),
         )
-        if len(self._incoming) < self._expected:
+        self._autopilot.replace_item(self._next, item)
+        self._next += 1
+        if self._next < self._end:
             return self._ask(now_s)
-        self._autopilot.load([self._incoming[seq] for seq in range(self._expected)])
-        self._expected = 0
         self._settled_s = now_s + SETTLE_S
         return [self._ack(mavlink.MAV_MISSION_ACCEPTED)]
+
+    def _parameter(self, message: mavlink.MAVLink_message, _now_s: float) -> Messages:
+        value = self._parameters.get(message.param_id)
+        if value is None:
+            return []
+        kind = mavlink.MAV_PARAM_TYPE_REAL32
+        name = message.param_id.encode()
+        return [mavlink.MAVLink_param_value_message(name, value, kind, len(self._parameters), 0)]
 
     def _ack(self, result: int) -> mavlink.MAVLink_message:
         return mavlink.MAVLink_mission_ack_message(*self._partner, result)
@@ -152,10 +173,10 @@ class AutopilotServer:
 
     def tick(self, now_s: float) -> Messages:
         """Ask again for an item that did not come; give the transfer up after many tries."""
-        if self._expected == 0 or now_s - self._asked_s < ITEM_TIMEOUT_S:
+        if self._next >= self._end or now_s - self._asked_s < ITEM_TIMEOUT_S:
             return []
         if self._asked >= ITEM_RETRIES:
-            self._expected = 0
+            self._end = self._next
             return [self._ack(mavlink.MAV_MISSION_OPERATION_CANCELLED)]
         tries = self._asked + 1
         out = self._ask(now_s)
@@ -167,13 +188,14 @@ class AutopilotServer:
         out: Messages = []
         if time_s >= self._next_heartbeat_s - 1e-9:
             self._next_heartbeat_s = time_s + HEARTBEAT_PERIOD_S
-            out += [
-                self._heartbeat(),
-                mavlink.MAVLink_mission_current_message(self._autopilot.current),
-            ]
+            out += [self._heartbeat(), self._wind(), self._air_data()]
         if time_s >= self._next_position_s - 1e-9:
             self._next_position_s = time_s + POSITION_PERIOD_S
-            out += [self._attitude(time_s), self._position(time_s)]
+            out += [
+                self._attitude(time_s),
+                self._position(time_s),
+                mavlink.MAVLink_mission_current_message(self._autopilot.current),
+            ]
         out += [
             mavlink.MAVLink_mission_item_reached_message(seq) for seq in self._autopilot.reached
         ]
@@ -189,6 +211,18 @@ class AutopilotServer:
             int(self._autopilot.mode),
             mavlink.MAV_STATE_ACTIVE,
             3,
+        )
+
+    def _wind(self) -> mavlink.MAVLink_message:
+        east, north = self._autopilot.wind_estimate_mps
+        towards = math.degrees(math.atan2(north, east))
+        return mavlink.MAVLink_wind_message((270.0 - towards) % 360.0, math.hypot(east, north), 0.0)
+
+    def _air_data(self) -> mavlink.MAVLink_message:
+        state, speed = self._autopilot.state, self._autopilot.motion.speed_mps
+        heading = round(90.0 - math.degrees(state.heading_rad)) % 360
+        return mavlink.MAVLink_vfr_hud_message(
+            state.airspeed_mps, speed, heading, 50, self._autopilot.altitude_m, 0.0
         )
 
     def _attitude(self, time_s: float) -> mavlink.MAVLink_message:

@@ -120,7 +120,7 @@ class OfflineFlight:
             mission = replace(mission, reaction_s=0.0)
         self.planner = MissionPlanner(scenario.corner, mission)
         self._banks = MissionBanks(altitude_m=scenario.sensor.altitude_m)
-        self.planner.set_vehicle(Vehicle.of(parameter_values(scenario.uav)))
+        self.planner.set_vehicle(Vehicle(parameter_values(scenario.uav)))
         self._corners = list(self.world.corners)
         self._steps = 0
         self._phase = ""

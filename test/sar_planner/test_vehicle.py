@@ -1,0 +1,57 @@
+"""What the autopilot's parameters allow."""
+
+import pytest
+
+from sar_planner.mission_parameters import MissionParameters
+from sar_planner.parameters import CornerParameters
+from sar_planner.vehicle import Vehicle
+
+CORNER, MISSION, CALM = CornerParameters(), MissionParameters(), (0.0, 0.0)
+GOOD = {
+    "NAVL1_PERIOD": 15.0,
+    "NAVL1_DAMPING": 0.75,
+    "ROLL_LIMIT_DEG": 65.0,
+    "AIRSPEED_MIN": 12.0,
+    "AIRSPEED_MAX": 28.0,
+    "FS_GCS_ENABL": 1.0,
+}
+
+
+def refusal(wind=CALM, **changes):
+    return Vehicle(GOOD | changes).refusal(CORNER, MISSION, wind)
+
+
+def test_a_good_one_is_flown_and_one_that_tells_nothing_too():
+    assert refusal() == ""
+    assert Vehicle({}).refusal(CORNER, MISSION, CALM) == ""
+    assert Vehicle({}).tuning(MISSION) is None
+    assert Vehicle(GOOD).tuning(MISSION).period_s == 15.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"AIRSPEED_MIN": 21.0}, "AIRSPEED_MIN = 21: expected at most V = 20 m/s"),
+        ({"AIRSPEED_MAX": 19.0}, "AIRSPEED_MAX = 19: expected at least V = 20 m/s"),
+        ({"ROLL_LIMIT_DEG": 25.0}, "ROLL_LIMIT_DEG = 25: expected at least 26"),
+        ({"NAVL1_PERIOD": 20.0}, "NAVL1_PERIOD = 20: expected at most 17.8 s"),
+    ],
+)
+def test_refusals_name_the_parameter(changes, expected):
+    assert expected in refusal(**changes)
+
+
+def test_wind_that_the_uav_cannot_slow_down_in_asks_for_more_roll():
+    assert refusal(ROLL_LIMIT_DEG=30.0) == ""
+    assert "ROLL_LIMIT_DEG" in refusal((14.0, 0.0), ROLL_LIMIT_DEG=30.0)
+
+
+def test_a_failsafe_that_is_off_is_told():
+    assert "FS_GCS_ENABL = 0" in Vehicle(GOOD | {"FS_GCS_ENABL": 0.0}).warning()
+    assert Vehicle(GOOD).warning() == ""
+    assert Vehicle({}).warning() == ""
+
+
+def test_envelope_is_the_autopilots():
+    air = Vehicle(GOOD).air((3.0, 0.0))
+    assert (air.slowest_mps, air.fastest_mps, air.wind_mps) == (12.0, 28.0, (3.0, 0.0))
