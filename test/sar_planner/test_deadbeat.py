@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sar_planner.captures import STRAIGHT_P, STRAIGHT_Y
 from sar_planner.deadbeat import DeadbeatRules
 from sar_planner.deadbeat_automaton import DeadbeatAutomaton, check_deadbeat
 from sar_planner.parameters import CornerParameters, ParameterError
@@ -139,3 +140,13 @@ def test_no_path_and_no_number():
         AUTOMATON.plan(0.0, separation_m=2000.0)
     with pytest.raises(ValueError, match="expected a finite number"):
         AUTOMATON.plan(math.nan)
+
+
+def test_coverage_counts_what_is_left_out_of_the_new_track():
+    """A curve that joins the new slot track far down it leaves the strip before out."""
+    rules = DeadbeatRules(CornerParameters())
+    near = rules.exact(rules.problem(0.0), 0.0, (STRAIGHT_P, STRAIGHT_Y))
+    late = near.take(np.flatnonzero(near.ends[:, 0] > 1100.0))
+    assert len(late) > 0
+    assert rules.coverage(near).max() == pytest.approx(1.0)
+    assert rules.coverage(late).min() < 0.9

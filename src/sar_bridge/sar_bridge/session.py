@@ -141,7 +141,8 @@ class AutopilotSession:
     def _let_go(self) -> None:
         """Forget the list, and whatever is under way for it."""
         self._points = None
-        self._engaging = False
+        self._engaging = self._later = self._joining = False
+        self._banks.forget()
         self._speed_wanted_mps = self._speed_sent_mps = 0.0
         if self._upload is not None:
             self._upload.cancel()
@@ -261,11 +262,11 @@ class AutopilotSession:
         """Upload the newest list: into a bank of the mission being flown, or as a whole mission."""
         if self._upload is None or self._points is None or self._datum is None:
             return []
-        if self._upload.active and self._upload.partial:
-            # ArduPilot denies a part while it receives another: after this one.
+        if self._upload.active:
+            # ArduPilot denies a part while it receives another, and begins a whole one anew.
             self._later = True
             return []
-        if self._upload.state is UploadState.FAILED and self._upload.partial:
+        if self._upload.state is UploadState.FAILED:
             self._banks.forget()
         self._later = self._joining = False
         self._begun_s = now_s

@@ -165,8 +165,9 @@ class DeadbeatRules:
             - 2.0 * np.multiply.outer(points[:, 1], cells[:, 1])
         )
         near = (square <= (0.5 * d) ** 2).reshape(len(batch), len(distances), -1).any(axis=1)
-        before = cells[:, 1] <= batch.start.y_m
-        after = cells[None, :, 0] >= batch.ends[:, :1]
+        on_old = np.arange(len(cells)) < len(cells) // 2
+        before = on_old & (cells[:, 1] <= batch.start.y_m)
+        after = ~on_old[None, :] & (cells[None, :, 0] >= batch.ends[:, :1])
         covered: FloatArray = (near | before[None, :] | after).mean(axis=1)
         return covered
 

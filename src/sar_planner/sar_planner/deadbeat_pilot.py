@@ -363,7 +363,7 @@ class DeadbeatPilot:
         if done or now_s < self._retry_s:
             return None
         frame = self._s.slot_frame(forecasts[0].leg)
-        moved = _misses(approach, frame)
+        moved = _misses(approach, frame, rest.length_m, self._mission.far_tolerance)
         there = approach.path.pose_at(flown)
         off_m = math.hypot(here.x_m - there.x_m, here.y_m - there.y_m)
         expected = tuple(forecast.in_frame(approach.frame) for forecast in forecasts)
@@ -556,7 +556,11 @@ class DeadbeatPilot:
         return None if points is None else (str(Mode.LEG), points)
 
 
-def _misses(approach: Approach, frame: CornerFrame) -> bool:
-    """Whether the path's end is beside, or across, the slot track as it is known now."""
+def _misses(approach: Approach, frame: CornerFrame, left_m: float, far_tolerance: float) -> bool:
+    """Whether the path's end is beside, or across, the slot track as it is known now.
+
+    What is far off need not be met so well yet: a young leg's direction is not known well.
+    """
     end = frame.to_frame(approach.frame.pose_to_map(approach.path.end))
-    return abs(end.y_m) > FRAME_SHIFT_M or abs(end.heading_rad) > FRAME_TURN_RAD
+    shift = max(FRAME_SHIFT_M, far_tolerance * left_m)
+    return abs(end.y_m) > shift or abs(end.heading_rad) > FRAME_TURN_RAD * shift / FRAME_SHIFT_M

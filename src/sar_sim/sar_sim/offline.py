@@ -42,6 +42,7 @@ from sar_sim.world import World
 
 STEPS_PER_TICK = 2
 TICKS_PER_STATUS = 10
+JOINING_ITEMS = 2
 LATCHED = {
     topics.DATUM,
     topics.WAYPOINTS,
@@ -121,6 +122,9 @@ class OfflineFlight:
         self.planner = MissionPlanner(scenario.corner, mission)
         self._banks = MissionBanks(altitude_m=scenario.sensor.altitude_m)
         self.planner.set_vehicle(Vehicle(parameter_values(scenario.uav)))
+        self._newest: WaypointList | None = None
+        self._under_way: WaypointList | None = None
+        self._arrives_s = 0.0
         self._corners = list(self.world.corners)
         self._steps = 0
         self._phase = ""
@@ -167,6 +171,7 @@ class OfflineFlight:
     def _step(self) -> None:
         receptions = self.world.step()
         self._steps += 1
+        self._transfer()
         while self._corners and self._corners[0].onset_time_s <= self.world.time_s:
             truth = text_message(corner_truth_text(self._corners.pop(0)))
             self._write(topics.TRUE_CORNER, truth)
@@ -242,12 +247,23 @@ class OfflineFlight:
             for topic, decision in decision_outputs(self.planner, waypoints):
                 self._write(topic, decision)
         if waypoints is not None:
-            self._load(waypoints)
+            self._newest = waypoints
         if self.planner.airspeed_mps is not None:
             autopilot.airspeed_mps = self.planner.airspeed_mps
 
+    def _transfer(self) -> None:
+        """Hand lists to the autopilot as the bridge does: one after the other, the newest next."""
+        if self._under_way is not None and self.world.time_s >= self._arrives_s:
+            waypoints, self._under_way = self._under_way, None
+            if self._newest is None:
+                self._load(waypoints)
+        if self._under_way is None and self._newest is not None:
+            self._under_way, self._newest = self._newest, None
+            items = len(self._under_way.points) + JOINING_ITEMS
+            self._arrives_s = self.world.time_s + items * self.world.scenario.uav.item_s
+
     def _load(self, waypoints: WaypointList) -> None:
-        """Hand a list to the autopilot as the bridge does, at once."""
+        """Put a list into its bank and lead over to it."""
         autopilot = self.world.autopilot
         if autopilot.mode is not FlightMode.AUTO or not self._banks.takes(waypoints.points):
             autopilot.load(self._banks.whole(waypoints.points, self.world.datum))

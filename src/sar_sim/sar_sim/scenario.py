@@ -16,7 +16,7 @@ ODD_ACTIONS = ("other_way", "go_on", "break_off")
 # What a preset of the autopilot changes of the defaults.
 AUTOPILOTS: dict[str, dict[str, float]] = {
     "ideal": {},
-    "arduplane": {"roll_lag_s": 0.35, "speed_lag_s": 3.5},
+    "arduplane": {"roll_lag_s": 0.35, "speed_lag_s": 3.5, "item_s": 0.02},
     "piccolo2005": {
         "roll_lag_s": 1.0,
         "speed_lag_s": 3.5,
@@ -111,7 +111,8 @@ class Uav:
     ``wp_radius_m``, ``roll_limit_deg``: NAVL1_PERIOD, NAVL1_DAMPING, WP_RADIUS, ROLL_LIMIT_DEG;
     ``turn_share``: turn rate over that of a coordinated turn at the same bank;
     ``believed_radius_m``: turn radius that legs are left for, 0 to leave them by WP_RADIUS.
-    ``airspeed_min_mps``, ``airspeed_max_mps``: its envelope.
+    ``item_s``: what the transfer of one waypoint takes offline. ``airspeed_min_mps``,
+    ``airspeed_max_mps``: its envelope.
     """
 
     lag_m: float = 800.0
@@ -130,6 +131,7 @@ class Uav:
     airspeed_min_mps: float = 10.0
     airspeed_max_mps: float = 30.0
     loiter_radius_m: float = 80.0
+    item_s: float = 0.0
     extra_path_min_m: float = 0.0
     extra_path_max_m: float = 0.0
     seed: int = 1
@@ -270,6 +272,7 @@ class Scenario:
             ("gps", "doppler_sigma_mps"),
             ("uav", "roll_lag_s"),
             ("uav", "speed_lag_s"),
+            ("uav", "item_s"),
             ("uav", "extra_path_min_m"),
             ("uav", "believed_radius_m"),
             ("wind", "speed_mps"),

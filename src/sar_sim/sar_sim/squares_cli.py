@@ -1,0 +1,50 @@
+"""``squares``: expanding squares flown by ArduPlane's guidance: L(k), separation, coverage."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+
+from tqdm import tqdm
+
+from sar_planner.rule_sets import RULE_SETS
+from sar_sim.options import find_scenario
+from sar_sim.scenario import load_scenario
+from sar_sim.squares import CONDITIONS, HEADER, fly_square, summary
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Fly them and print the table; 2 on bad input."""
+    parser = argparse.ArgumentParser(prog="squares", description=__doc__)
+    parser.add_argument("--scenario", default="arduplane", help="a scenario's name or YAML file")
+    parser.add_argument("--rules", choices=RULE_SETS, default="deadbeat")
+    parser.add_argument("--seeds", type=int, default=30, help="missions of each condition")
+    parser.add_argument("--first-seed", type=int, default=0)
+    parser.add_argument("--only", default="", help="conditions whose name contains this")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes")
+    args = parser.parse_args(argv)
+    chosen = {name: value for name, value in CONDITIONS.items() if args.only in name}
+    try:
+        if not chosen:
+            raise ValueError(f"--only {args.only}: expected part of {', '.join(CONDITIONS)}")
+        scenario = load_scenario(find_scenario(args.scenario))
+        seeds = range(args.first_seed, args.first_seed + args.seeds)
+        sys.stdout.write(f"{scenario.name}, rules {args.rules}, {args.seeds} seeds\n{HEADER}\n")
+        with ProcessPoolExecutor(args.jobs) as pool:
+            for name, condition in chosen.items():
+                fly = partial(fly_square, base=scenario, condition=condition, rules=args.rules)
+                quiet = not sys.stderr.isatty()
+                told = tqdm(pool.map(fly, seeds), total=args.seeds, disable=quiet, leave=False)
+                sys.stdout.write(summary(name, condition, list(told)) + "\n")
+                sys.stdout.flush()
+    except ValueError as error:
+        sys.stderr.write(f"squares: {error}\n")
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
