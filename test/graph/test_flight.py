@@ -67,6 +67,32 @@ def test_short_mission_end_to_end_agrees_with_the_offline_flight(launch):
     assert {"/clock", "/uav/state", "/uav/uploaded", "/markers", "/diagnostics"} <= topics
 
 
+def test_arduplanes_guidance_is_led_around_corners_by_lists_in_banks(launch, tmp_path):
+    scenario = tmp_path / "windy.yaml"
+    scenario.write_text(
+        "pattern: {first_leg_m: 1200.0, last_leg_m: 800.0, corners: 3}\n"
+        "gps: {sigma_m: 3.0}\n"
+        "wind: {speed_mps: 4.0, from_deg: 45.0}\n"
+        "uav: {autopilot: arduplane, lag_m: 50.0}\n"
+    )
+    flight = launch("--scenario", str(scenario))
+    code, _, errors = flight.wait()
+    assert (code, errors) == (0, "")
+    found = metrics(flight.out)
+    assert max(abs(lag) for lag in found["lag_m"][1:]) < 25.0
+    assert found["min_separation_m"] > 180.0
+    told = {}
+    for topic, _, message in read_messages(flight.out / "bag"):
+        told.setdefault(topic, []).append(message)
+    parameters = json.loads(told["/uav/autopilot"][-1].data)
+    assert parameters["NAVL1_PERIOD"] == 15.0
+    wind = told["/uav/wind"][-1].vector
+    assert (wind.x, wind.y) == pytest.approx((-2.83, -2.83), abs=0.1)
+    uploads = [json.loads(message.data)["upload_ms"] for message in told["/uav/uploaded"]]
+    assert len(uploads) > 5
+    assert np.median(uploads) < 1000.0
+
+
 def test_control_c_in_flight_closes_the_bag_and_reports(launch):
     flight = launch("--scenario", "short")
     await_true(lambda: bag_size(flight) > 500_000)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from sar_bridge.mission_banks import BANK_ITEMS, BANKS
 from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose
 from sar_sim.autopilot import FlightMode, SimAutopilot
@@ -79,7 +80,7 @@ def test_engage_release_engage_and_return_home(launch):
 
         await_true(lambda: operator(flight, "engage") == (0, "engage: engaged\n"))
         await_true(lambda: pilot.mode is FlightMode.AUTO)
-        assert len(pilot.items) == 4
+        assert len(pilot.items) == 1 + BANKS * BANK_ITEMS
 
         pilot.set_mode(FlightMode.LOITER)  # the pilot takes it back
         time.sleep(4.0)

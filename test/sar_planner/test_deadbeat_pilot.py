@@ -63,7 +63,8 @@ def test_off_the_slot_it_is_led_back(where):
     listed = plan.update(100.0)
     assert plan.mode is Mode.REJOIN
     assert listed.mode == "rejoin"
-    assert listed.points[-1][1] == pytest.approx(-250.0)
+    assert listed.points[-2][1] == pytest.approx(-250.0)
+    assert listed.points[-1][1] == pytest.approx(-330.0)  # the loiter: apart, radius and all
     assert 18.0 - 1e-9 <= plan.speed_mps <= 22.0 + 1e-9
 
 

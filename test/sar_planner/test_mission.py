@@ -82,7 +82,8 @@ def test_leg_list_is_the_slot_track_on_the_inside(side):
     plan = on_leg(800.0, turn_side=side)
     waypoints = plan.update(100.0)
     assert waypoints.mode == "leg"
-    assert waypoints.points[:, 1] == pytest.approx([-side * 250.0] * 2)
+    # The track, then the place of the loiter beside it.
+    assert waypoints.points[:, 1] == pytest.approx([-side * 250.0] * 2 + [-side * 330.0])
     assert waypoints.points[0, 0] > -800.0
     assert plan.update(100.1) is None
     assert plan.lag_m() == pytest.approx(800.0)
@@ -163,7 +164,7 @@ def test_corner_ends_on_the_new_slot_track():
     plan.set_leg(leg(149.0, x=80.0, heading=-math.pi / 2))
     listed = plan.update(150.0)
     assert plan.mode is Mode.LEG
-    assert listed.points[:, 0] == pytest.approx([80.0 - 250.0] * 2, abs=1e-6)
+    assert listed.points[:2, 0] == pytest.approx([80.0 - 250.0] * 2, abs=1e-6)
 
 
 def test_withdrawn_corner_goes_back_to_the_leg():
@@ -288,7 +289,7 @@ def test_old_leg_heard_while_the_helicopter_hovers_is_not_flown():
     plan.update(101.0)
     plan.set_helicopter(Motion(150.0, 80.0, 0.0, 0.0, 0.0))
     plan.set_uav(Motion(150.0, end.x_m, end.y_m - 5.0, 0.0, -20.0))
-    assert plan.update(150.0).points[:, 0] == pytest.approx([-170.0] * 2, abs=1e-6)
+    assert plan.update(150.0).points[:2, 0] == pytest.approx([-170.0] * 2, abs=1e-6)
     plan.set_leg(leg(95.0))
     assert plan.update(150.1) is None
 

@@ -1,6 +1,7 @@
 """Expanding squares with ArduPlane's guidance."""
 
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -39,7 +40,7 @@ def test_perfect_formation_sees_everything():
     side, spacing = world.scenario.pattern.turn_side, world.scenario.corner.spacing_m
     corners = np.array([(c.stop.x_m, c.stop.y_m) for c in world.corners])
     track = []
-    for begin, end in zip(corners[:-1], corners[1:], strict=True):
+    for begin, end in pairwise(corners):
         way = (end - begin) / np.hypot(*(end - begin))
         inside = side * spacing * np.array((way[1], -way[0]))
         for share in np.linspace(0.0, 1.0, 50):

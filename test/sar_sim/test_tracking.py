@@ -1,5 +1,6 @@
 """Recorded ArduPlane flights against the simulated autopilot, and the planner's waypoints."""
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,7 +22,8 @@ from sar_sim.tracking import (
 )
 from sar_sim.tracking_cli import ARDUPLANE, SETS, TUNINGS, main
 
-DATA = Path(__file__).parents[3] / "shared/data/arduplane"
+ROOT = Path(__file__).parents[2]
+DATA = Path(os.environ.get("SAR_TEST_DATA", ROOT.parent / "shared" / "data"), "arduplane")
 recorded = pytest.mark.skipif(not DATA.is_dir(), reason=f"recorded flights: no {DATA}")
 
 

@@ -58,7 +58,7 @@ class DeadbeatPilot:
         self._s = situation
         self._corner = corner
         self._mission = mission
-        self.lists = WaypointLists(mission)
+        self.lists = WaypointLists(corner, mission)
         self.good = MadeGood(mission.bias_gain)
         self.active: ActiveCorner | None = None
         self.approach: Approach | None = None
@@ -186,8 +186,8 @@ class DeadbeatPilot:
         self._unsafe = ""
         self._holding = True
         self.lists.forget()
-        ahead = self._s.uav.pose.offset(self._mission.capture_m)
-        return str(Mode.HOLD), np.array([(ahead.x_m, ahead.y_m)])
+        ahead = self.lists.loiter(self._s.uav.pose, self._mission.capture_m)
+        return str(Mode.HOLD), np.array([ahead])
 
     # Corners -----------------------------------------------------------------------------------
 

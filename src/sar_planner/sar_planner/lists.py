@@ -10,10 +10,12 @@ from sar_planner.air import AirEnvelope
 from sar_planner.geometry import FlightPath, FloatArray, Straight
 from sar_planner.guide import Guide, L1Tuning, make_guide
 from sar_planner.mission_parameters import MissionParameters
+from sar_planner.parameters import CornerParameters
 from sar_planner.waypoints import path_waypoints, thinned
 
 Listed = tuple[str, FloatArray]
 LEAST_GAP_M = 5.0
+LOITER_AHEAD_M = 300.0
 GUIDE_GAP_M = 10.0
 SETTLING_L1 = 4.0
 SAME_PATH_M = 10.0
@@ -27,9 +29,11 @@ class WaypointLists:
     polygon. ``air``: the UAV's airspeeds and the wind.
     """
 
-    def __init__(self, parameters: MissionParameters) -> None:
+    def __init__(self, corner: CornerParameters, parameters: MissionParameters) -> None:
         """Nothing is listed yet."""
         self._p = parameters
+        apart = corner.separation_m + parameters.loiter_radius_m + parameters.separation_margin_m
+        self._aside_m = -parameters.turn_side * max(0.0, apart - corner.spacing_m)
         self.tuning: L1Tuning | None = None
         self.air = AirEnvelope()
         self._listed: Pose | None = None
@@ -39,22 +43,30 @@ class WaypointLists:
         """Something else was listed since."""
         self._listed = None
 
+    def loiter(self, track: Pose, along_m: float) -> tuple[float, float]:
+        """Return where a list ends: ``along_m`` [m] down a slot track, to its inside.
+
+        A UAV that hears nothing more circles there, apart from a helicopter that flies on.
+        """
+        there = track.offset(along_m, self._aside_m)
+        return there.x_m, there.y_m
+
     def along(self, path: FlightPath, speed_mps: float, *, from_m: float = 0.0) -> FloatArray:
         """Return the waypoints of a path in the map, and of the track beyond.
 
         ``from_m``: distance along it [m] at which they begin. ``speed_mps``: over ground.
         """
         beyond = path.end.offset(self._p.horizon_m)
-        far = (beyond.x_m, beyond.y_m)
+        far = (beyond.x_m, beyond.y_m), self.loiter(path.end, self._p.horizon_m + LOITER_AHEAD_M)
         if self.tuning is None:
             points = path_waypoints(path, self._p.arc_spacing_m, from_m=from_m)
-            return thinned(np.vstack((points, far)), LEAST_GAP_M)
+            return thinned(np.vstack((points, *far)), LEAST_GAP_M)
         settling = Straight(SETTLING_L1 * self.tuning.l1_m(speed_mps))
         whole = path.then(FlightPath.of(path.end, (settling,)))
         offset = self._offset_at(path.start)
         self._guide = make_guide(whole, self.tuning, speed_mps, air=self.air, offset_m=offset)
         points = self._guide.waypoints(self._p.guide_spacing_m, from_m=from_m)
-        return thinned(np.vstack((points, far)), GUIDE_GAP_M)
+        return thinned(np.vstack((points, *far)), GUIDE_GAP_M)
 
     def _offset_at(self, pose: Pose) -> float | None:
         """Return the offset of the guide that is flown, where a new path goes on from it."""
@@ -70,7 +82,7 @@ class WaypointLists:
         return self._guide.offset_at(at)
 
     def track(self, slot: Pose, uav: Motion) -> FloatArray | None:
-        """Return the waypoints, shape (2, 2) [m], of a slot track's list that is due, or None."""
+        """Return the waypoints, shape (3, 2) [m], of a slot track's list that is due, or None."""
         here = slot.offset(slot.along(uav.x_m, uav.y_m))
         if self._listed is not None:
             far = here.offset(1000.0)
@@ -84,4 +96,5 @@ class WaypointLists:
         self._listed = here
         self._guide = None
         ahead = [here.offset(x) for x in (self._p.capture_m, self._p.horizon_m)]
-        return np.array([(pose.x_m, pose.y_m) for pose in ahead])
+        end = self.loiter(here, self._p.horizon_m + LOITER_AHEAD_M)
+        return np.array([*((pose.x_m, pose.y_m) for pose in ahead), end])

@@ -41,7 +41,7 @@ class PaperPilot:
         self._s = situation
         self._corner = corner
         self._mission = mission
-        self.lists = WaypointLists(mission)
+        self.lists = WaypointLists(corner, mission)
         self.active: ActiveCorner | None = None
         self.problem = ""
         self._planned: CornerEstimate | None = None

@@ -27,9 +27,10 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes")
     args = parser.parse_args(argv)
     chosen = {name: value for name, value in CONDITIONS.items() if args.only in name}
+    if not chosen:
+        sys.stderr.write(f"squares: --only {args.only}: expected part of {', '.join(CONDITIONS)}\n")
+        return 2
     try:
-        if not chosen:
-            raise ValueError(f"--only {args.only}: expected part of {', '.join(CONDITIONS)}")
         scenario = load_scenario(find_scenario(args.scenario))
         seeds = range(args.first_seed, args.first_seed + args.seeds)
         sys.stdout.write(f"{scenario.name}, rules {args.rules}, {args.seeds} seeds\n{HEADER}\n")
