@@ -15,7 +15,7 @@ from sar_planner.parameters import CornerParameters
 
 ROOT = Path(__file__).parents[1]
 SOURCES = sorted((ROOT / "src").glob("*/sar_*/*.py"))
-INPUT_OUTPUT = {"node_support", "link", "processes"}
+INPUT_OUTPUT = {"node_support", "link", "processes", "home_link"}
 PURE = [
     path
     for path in SOURCES

@@ -22,7 +22,7 @@ from sar_estimator.states import Motion
 
 BANKS = 3
 BANK_ITEMS = 64
-NEAR_M = 12.0
+NEAR_M = 25.0
 GAP_M = 10.0
 FOREVER = -1.0
 

@@ -77,8 +77,8 @@ class SimAutopilot:
         self.reached: list[int] = []
         far = start.offset(FAR_M)
         self._points: list[Point] = []
-        self._home = (start.x_m, start.y_m)
-        self._leg = Leg(self._home, (far.x_m, far.y_m))
+        self.home = (start.x_m, start.y_m)
+        self._leg = Leg(self.home, (far.x_m, far.y_m))
         self._track_next = False
         self._circle: Circle | None = None
         self._demand_radps = 0.0
@@ -115,7 +115,7 @@ class SimAutopilot:
                 self._start(self.current or 1)
             return
         self.mode = mode
-        centre = self._home if mode is FlightMode.RTL else self._here
+        centre = self.home if mode is FlightMode.RTL else self._here
         self._circle = Circle(centre, self._uav.loiter_radius_m)
 
     def load(self, items: list[MissionItem]) -> None:

@@ -158,9 +158,23 @@ class AutopilotServer:
         elif message.command == mavlink.MAV_CMD_DO_CHANGE_SPEED:
             if message.param2 > 0.0:
                 self._autopilot.airspeed_mps = message.param2
+        elif message.command == mavlink.MAV_CMD_REQUEST_MESSAGE:
+            return self._requested(int(message.param1))
         elif message.command != mavlink.MAV_CMD_SET_MESSAGE_INTERVAL:
             result = mavlink.MAV_RESULT_UNSUPPORTED
         return [mavlink.MAVLink_command_ack_message(message.command, result)]
+
+    def _requested(self, number: int) -> Messages:
+        known = number == mavlink.MAVLINK_MSG_ID_HOME_POSITION
+        result = mavlink.MAV_RESULT_ACCEPTED if known else mavlink.MAV_RESULT_UNSUPPORTED
+        ack = mavlink.MAVLink_command_ack_message(mavlink.MAV_CMD_REQUEST_MESSAGE, result)
+        if not known:
+            return [ack]
+        latitude, longitude, altitude = self._datum.to_geodetic(*self._autopilot.home, 0.0)
+        place = round(latitude * 1e7), round(longitude * 1e7), round(altitude * 1e3)
+        still = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        (x, y, z), attitude, approach = still
+        return [ack, mavlink.MAVLink_home_position_message(*place, x, y, z, attitude, *approach)]
 
     def _set_mode(self, number: int) -> int:
         if number not in tuple(FlightMode):

@@ -8,6 +8,7 @@ import signal
 import socket
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 
@@ -23,6 +24,7 @@ from sar_estimator import topics
 from sar_estimator.node_support import RELIABLE
 from sar_planner.parameters import ParameterError
 from sar_planner.rule_sets import RULE_SETS, make_rule_set
+from sar_sim.home_link import home_of
 from sar_sim.launch_plan import FlightOptions, NodeSpec, parameter_document, plan_nodes, read_tuned
 from sar_sim.options import (
     add_flight_options,
@@ -34,7 +36,7 @@ from sar_sim.options import (
 from sar_sim.processes import NodeProcess, folder_bytes
 from sar_sim.report import write_report
 from sar_sim.report_cli import summary_line
-from sar_sim.scenario import ScenarioError, scenario_document
+from sar_sim.scenario import Scenario, ScenarioError, scenario_document
 from sar_sim.tracks import load_track
 
 TELL_TERMINAL_S, TELL_FILE_S = 0.5, 5.0
@@ -164,6 +166,8 @@ def prepare(args: argparse.Namespace) -> tuple[list[NodeSpec], Path]:
         opener(options.autopilot)
     find_scenario(args.scenario)
     scenario = scenario_from(args)
+    if options.autopilot and options.helicopter == "sim" and scenario.datum == Scenario().datum:
+        scenario = replace(scenario, datum=home_of(options.autopilot))
     make_rule_set(args.rules, scenario.corner)
     if options.recorded:
         load_track(Path(options.helicopter))
