@@ -29,6 +29,7 @@ setup(
             "play = sar_sim.play_node:main",
             "import_track = sar_sim.import_track:main",
             "tracking = sar_sim.tracking_cli:main",
+            "upload_benchmark = sar_sim.radio_cli:main",
             "squares = sar_sim.squares_cli:main",
             "convergence = sar_sim.convergence_cli:main",
             "rejoin_trials = sar_sim.rejoin_trials_cli:main",

@@ -70,7 +70,7 @@ def test_short_mission_end_to_end_agrees_with_the_offline_flight(launch):
 def test_arduplanes_guidance_is_led_around_corners_by_lists_in_banks(launch, tmp_path):
     scenario = tmp_path / "windy.yaml"
     scenario.write_text(
-        "pattern: {first_leg_m: 1200.0, last_leg_m: 800.0, corners: 3}\n"
+        "pattern: {first_leg_m: 2000.0, last_leg_m: 600.0, corners: 2}\n"
         "gps: {sigma_m: 3.0}\n"
         "wind: {speed_mps: 4.0, from_deg: 45.0}\n"
         "uav: {autopilot: arduplane, lag_m: 50.0}\n"

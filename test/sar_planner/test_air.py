@@ -31,3 +31,11 @@ def test_envelope_limits_what_is_made_good():
 
 def test_wind_stronger_than_the_uav_makes_nothing_good():
     assert AirEnvelope(10.0, 10.0, (0.0, 12.0)).ground_speed_mps(0.0, 20.0) == 0.0
+
+
+def test_a_ground_speed_out_of_reach_is_told():
+    air = AirEnvelope(12.0, 28.0, (10.0, 0.0))
+    assert "takes an airspeed of 30.0 m/s, expected 12 to 28" in air.out_of_reach(math.pi, 20.0)
+    assert "takes an airspeed of 10.0 m/s" in air.out_of_reach(0.0, 20.0)
+    assert air.out_of_reach(math.pi / 2.0, 20.0) == ""
+    assert AirEnvelope().out_of_reach(1.0, 20.0) == ""

@@ -10,6 +10,7 @@ from sar_estimator.plane import Pose
 from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.mission import MissionParameters, MissionPlanner, Mode, UavStatus
 from sar_planner.parameters import CornerParameters
+from sar_planner.vehicle import Vehicle
 
 FLYING = UavStatus("AUTO", armed=True, connected=True)
 
@@ -182,3 +183,21 @@ def test_old_legs_are_not_believed_after_a_stop():
     assert plan.situation.leg.foot.x_m == 0.0
     plan.set_leg(replace(leg(130.0), foot=Pose(80.0, -100.0, -math.pi / 2)))
     assert plan.situation.leg.foot.x_m == 80.0
+
+
+def test_wind_and_the_autopilots_parameters_are_heeded():
+    plan = on_leg(0.0)
+    plan.set_vehicle(Vehicle({"NAVL1_PERIOD": 15.0, "AIRSPEED_MIN": 12.0, "AIRSPEED_MAX": 25.0}))
+    plan.set_wind((-3.0, 0.0))
+    plan.update(100.0)
+    assert plan.airspeed_mps == pytest.approx(23.0, abs=0.5)
+    assert plan.problem == ""
+    plan.set_wind((-8.0, 0.0))
+    plan.update(100.1)
+    assert plan.airspeed_mps == 25.0
+    assert "expected 12 to 25" in plan.problem
+    plan.set_wind((math.nan, 0.0))
+    assert plan.wind_mps == (-8.0, 0.0)
+    plan.disengage()
+    plan.set_vehicle(Vehicle({"AIRSPEED_MAX": 18.0}))
+    assert "AIRSPEED_MAX = 18" in plan.engage(100.2)

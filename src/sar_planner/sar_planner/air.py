@@ -9,6 +9,8 @@ import numpy as np
 
 from sar_planner.geometry import FloatArray
 
+NEARLY_MPS = 0.2
+
 
 @dataclass(frozen=True, slots=True)
 class AirEnvelope:
@@ -23,6 +25,18 @@ class AirEnvelope:
         vx = ground_speed_mps * math.cos(course_rad) - self.wind_mps[0]
         vy = ground_speed_mps * math.sin(course_rad) - self.wind_mps[1]
         return min(max(math.hypot(vx, vy), self.slowest_mps), self.fastest_mps)
+
+    def out_of_reach(self, course_rad: float, ground_speed_mps: float) -> str:
+        """Return why a ground speed cannot be flown on a course, empty where it can."""
+        free = AirEnvelope(wind_mps=self.wind_mps)
+        needed = free.airspeed_mps(course_rad, ground_speed_mps)
+        if self.slowest_mps - NEARLY_MPS <= needed <= self.fastest_mps + NEARLY_MPS:
+            return ""
+        return (
+            f"wind {math.hypot(*self.wind_mps):.1f} m/s: {ground_speed_mps:.1f} m/s over ground "
+            f"takes an airspeed of {needed:.1f} m/s, expected {self.slowest_mps:g} to "
+            f"{self.fastest_mps:g}"
+        )
 
     def ground_speeds_mps(self, courses_rad: FloatArray, wanted_mps: float) -> FloatArray:
         """Return the ground speeds made good on courses, shape (n,), of one that is wanted.

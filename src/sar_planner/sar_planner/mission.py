@@ -207,7 +207,11 @@ class MissionPlanner:
         speed = self.speed_mps
         if speed is None:
             return None
-        return self._pilot.lists.air.airspeed_mps(self._pilot.course_rad, speed)
+        return self._pilot.lists.air.airspeed_mps(self._course_rad, speed)
+
+    @property
+    def _course_rad(self) -> float:
+        return self._pilot.course_rad
 
     def newly_asked_mps(self, step_mps: float) -> float | None:
         """Return the airspeed asked for when it differs by ``step_mps`` from what was told last."""
@@ -252,7 +256,9 @@ class MissionPlanner:
         if self.problem:
             return None
         listed = self._pilot.update(now_s)
-        self.problem = self._pilot.problem
+        speed = self._pilot.speed_mps
+        slow = "" if speed is None else self._pilot.lists.air.out_of_reach(self._course_rad, speed)
+        self.problem = "; ".join(note for note in (self._pilot.problem, slow) if note)
         if listed is None:
             return None
         name, points = listed
