@@ -7,12 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sar_sim.scenario import Wind
+from sar_bridge.mission_items import waypoint_items
+from sar_planner.geometry import FlightPath, Straight
+from sar_planner.waypoints import path_waypoints
+from sar_sim.scenario import AUTOPILOTS, Uav, Wind
 from sar_sim.tracking import (
     CASES,
+    DATUM,
+    PLAIN,
     RecordingError,
     distances_m,
     fly_guided,
+    fly_items,
     load_recording,
     measure,
     measured_path,
@@ -86,3 +92,17 @@ def test_unreadable_recordings_end_in_one_line(tmp_path, capsys):
     (tmp_path / "x_waypoints.csv").write_text("a,b\n1,2\n")
     with pytest.raises(RecordingError, match="expected columns"):
         load_recording(tmp_path, "x")
+
+
+@pytest.mark.parametrize("case", ["T3", "C"])
+def test_piccolo2005_on_arc_ends_flies_as_much_farther_as_the_papers_did(case):
+    path = measured_path(case)
+    start = path.start.offset(-400.0)
+    whole = FlightPath.of(start, (Straight(400.0), *path.segments, Straight(600.0)))
+    items = [
+        replace(item, params=PLAIN)
+        for item in waypoint_items(path_waypoints(whole, 0.0), DATUM, 150.0)
+    ]
+    uav = Uav(autopilot="piccolo2005", **AUTOPILOTS["piccolo2005"])
+    flown = measure(fly_items(items, start, airspeed_mps=20.0, uav=uav, wind=Wind()), case)
+    assert 300.0 < flown.extra_m < 550.0

@@ -33,8 +33,8 @@ def make_guidance(uav: Uav) -> tuple[Guidance, UavLimits, float]:
 
 
 def parameter_values(uav: Uav) -> dict[str, float]:
-    """Return the parameters that the autopilot tells when asked; the ideal one has none."""
-    if uav.autopilot == "ideal":
+    """Return the parameters that the autopilot tells when asked; only ArduPlane has any."""
+    if uav.autopilot != "arduplane":
         return {}
     return {
         "NAVL1_PERIOD": uav.l1_period_s,

@@ -17,11 +17,14 @@ ODD_ACTIONS = ("other_way", "go_on", "break_off")
 AUTOPILOTS: dict[str, dict[str, float]] = {
     "ideal": {},
     "arduplane": {"roll_lag_s": 0.35, "speed_lag_s": 3.5, "item_s": 0.02},
+    # Turns with R = 163 m and leaves its legs for one of 30 m: its turn rate is overestimated.
     "piccolo2005": {
         "roll_lag_s": 1.0,
         "speed_lag_s": 3.5,
-        "roll_limit_deg": 20.0,
-        "believed_radius_m": 50.0,
+        "roll_limit_deg": 14.0,
+        "believed_radius_m": 30.0,
+        "l1_period_s": 20.0,
+        "turn_share": 1.0,
     },
 }
 
