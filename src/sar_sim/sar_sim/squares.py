@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -72,6 +73,11 @@ class Square:
     problems: frozenset[str]
 
 
+def _kinds(problem: str) -> set[str]:
+    """Return what is wrong without the numbers."""
+    return {re.sub(r"\s*[\d.]+ m/s", "", part.split(":")[0]) for part in problem.split("; ")}
+
+
 def coverage_percent(world: World, track: np.ndarray) -> float:
     """Return the share [%] seen of what the ideal formation sees from the third corner on.
 
@@ -106,7 +112,7 @@ def fly_square(seed: int, base: Scenario, condition: Condition, rules: str) -> S
         seen(world)
         steps += 1
         if flight.planner.problem:
-            problems.add(flight.planner.problem.split(":")[0])
+            problems.update(_kinds(flight.planner.problem))
         if steps % TRACK_STEPS == 0 and world.helicopter is not None:
             leader, uav = world.helicopter.motion(world.time_s), world.autopilot.motion
             track.append((leader.x_m, leader.y_m, uav.x_m, uav.y_m))
