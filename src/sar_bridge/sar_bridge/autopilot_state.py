@@ -11,6 +11,7 @@ from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_estimator.geodesy import Datum, valid_position
+from sar_estimator.plane import blown_mps
 from sar_estimator.states import Motion
 
 CLOCK_WINDOW = 50
@@ -77,8 +78,7 @@ class WindState:
         """Take the autopilot's own estimate: direction it blows from [deg from north], speed."""
         if not (math.isfinite(from_deg) and math.isfinite(speed_mps)):
             return
-        towards = math.radians(270.0 - from_deg)
-        self.vector_mps = (speed_mps * math.cos(towards), speed_mps * math.sin(towards))
+        self.vector_mps = blown_mps(speed_mps, from_deg)
         self._told_s = monotonic_s
 
     def seen(self, motion: Motion, yaw_rad: float, monotonic_s: float) -> None:

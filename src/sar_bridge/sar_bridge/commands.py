@@ -12,6 +12,13 @@ TIMEOUT_S = 1.0
 RETRIES = 4
 
 
+def ground_heartbeat() -> mavlink.MAVLink_message:
+    """Return the heartbeat of a ground station."""
+    return mavlink.MAVLink_heartbeat_message(
+        mavlink.MAV_TYPE_GCS, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, mavlink.MAV_STATE_ACTIVE, 3
+    )
+
+
 @dataclass(frozen=True, slots=True)
 class Command:
     """One command and its parameters 1 to 7 (missing ones are 0)."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_bridge.autopilot_state import AutopilotState
-from sar_bridge.commands import Command, CommandQueue
+from sar_bridge.commands import Command, CommandQueue, ground_heartbeat
 from sar_bridge.mission_banks import MakeCurrent, MissionBanks, Write
 from sar_bridge.mission_items import FloatArray, first_ahead, waypoint_items
 from sar_bridge.mission_upload import Address, MissionUpload, UploadState
@@ -201,16 +201,7 @@ class AutopilotSession:
         out: Messages = []
         if now_s - self._heartbeat_sent_s >= HEARTBEAT_PERIOD_S:
             self._heartbeat_sent_s = now_s
-            out.append(
-                mavlink.MAVLink_heartbeat_message(
-                    mavlink.MAV_TYPE_GCS,
-                    mavlink.MAV_AUTOPILOT_INVALID,
-                    0,
-                    0,
-                    mavlink.MAV_STATE_ACTIVE,
-                    3,
-                )
-            )
+            out.append(ground_heartbeat())
         if self._upload is not None and self._commands is not None:
             if self.state.mode != "GUIDED" and not self._returning:
                 self._commands.cancel(mavlink.MAV_CMD_DO_SET_MODE)  # never AUTO against a human

@@ -10,6 +10,12 @@ import math
 from dataclasses import dataclass
 
 
+def blown_mps(speed_mps: float, from_deg: float) -> tuple[float, float]:
+    """Return where a wind blows to, x (east) and y (north) [m/s], from its compass direction."""
+    towards = math.radians(270.0 - from_deg)
+    return speed_mps * math.cos(towards), speed_mps * math.sin(towards)
+
+
 def wrap_angle(angle_rad: float) -> float:
     """Return ``angle_rad`` wrapped into (-pi, pi]."""
     wrapped = math.remainder(angle_rad, 2.0 * math.pi)

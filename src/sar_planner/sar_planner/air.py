@@ -22,14 +22,17 @@ class AirEnvelope:
 
     def airspeed_mps(self, course_rad: float, ground_speed_mps: float) -> float:
         """Return the airspeed [m/s] that a ground speed on a course takes, within the envelope."""
+        needed = self._needed_mps(course_rad, ground_speed_mps)
+        return min(max(needed, self.slowest_mps), self.fastest_mps)
+
+    def _needed_mps(self, course_rad: float, ground_speed_mps: float) -> float:
         vx = ground_speed_mps * math.cos(course_rad) - self.wind_mps[0]
         vy = ground_speed_mps * math.sin(course_rad) - self.wind_mps[1]
-        return min(max(math.hypot(vx, vy), self.slowest_mps), self.fastest_mps)
+        return math.hypot(vx, vy)
 
     def out_of_reach(self, course_rad: float, ground_speed_mps: float) -> str:
         """Return why a ground speed cannot be flown on a course, empty where it can."""
-        free = AirEnvelope(wind_mps=self.wind_mps)
-        needed = free.airspeed_mps(course_rad, ground_speed_mps)
+        needed = self._needed_mps(course_rad, ground_speed_mps)
         if self.slowest_mps - NEARLY_MPS <= needed <= self.fastest_mps + NEARLY_MPS:
             return ""
         return (

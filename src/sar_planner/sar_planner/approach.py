@@ -153,7 +153,7 @@ class Recapture:
         without lag and ``wanted_m`` apart; else whichever of them stays the farthest apart, no less
         than ``least_m``; else the one that ends nearest to the slot, short ones preferred.
         """
-        same = exact = None
+        same = None
         if row is not None:
             batch = self._same_turns(row)
             same = self._kept(batch, batch.lengths_m, wanted_m, least_m)

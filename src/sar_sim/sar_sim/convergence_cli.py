@@ -5,16 +5,14 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
-
-from tqdm import tqdm
 
 from sar_planner.rule_sets import RULE_SETS
 from sar_sim.figures import draw_lags
 from sar_sim.missions import Outcome, fly_once, seeded, summary
 from sar_sim.options import find_scenario
+from sar_sim.pool import in_parallel
 from sar_sim.scenario import Scenario, load_scenario
 
 
@@ -40,11 +38,7 @@ def main(argv: list[str] | None = None) -> int:
         lags = None if args.lags is None else (args.lags[0], args.lags[1])
         seeds = range(args.first_seed, args.first_seed + args.seeds)
         fly = partial(_fly, scenario=scenario, rules=args.rules, lags=lags)
-        with ProcessPoolExecutor(args.jobs) as pool:
-            told = tqdm(
-                pool.map(fly, seeds), total=args.seeds, disable=not sys.stderr.isatty(), leave=False
-            )
-            outcomes = list(told)
+        outcomes = in_parallel(fly, seeds, args.jobs)
     except ValueError as error:
         sys.stderr.write(f"convergence: {error}\n")
         return 2

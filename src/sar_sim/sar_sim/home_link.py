@@ -6,13 +6,13 @@ import time
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sar_bridge.commands import Command, ground_heartbeat
 from sar_bridge.link import Link
+from sar_bridge.mission_upload import Address
 from sar_estimator.geodesy import Datum
 
 ASK_PERIOD_S = 1.0
-GROUND_STATION = mavlink.MAVLink_heartbeat_message(
-    mavlink.MAV_TYPE_GCS, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, mavlink.MAV_STATE_ACTIVE, 3
-)
+HOME = Command(mavlink.MAV_CMD_REQUEST_MESSAGE, (mavlink.MAVLINK_MSG_ID_HOME_POSITION,))
 
 
 def home_of(url: str, *, patience_s: float = 10.0) -> Datum:
@@ -25,22 +25,15 @@ def home_of(url: str, *, patience_s: float = 10.0) -> Datum:
             for message in link.receive(0.1):
                 kind = message.get_type()
                 if kind == "HEARTBEAT" and message.autopilot != mavlink.MAV_AUTOPILOT_INVALID:
-                    autopilot = message.get_srcSystem(), message.get_srcComponent()
+                    autopilot = Address(message.get_srcSystem(), message.get_srcComponent())
                 elif kind == "HOME_POSITION":
                     place = message.latitude / 1e7, message.longitude / 1e7
                     return Datum(*place, message.altitude / 1e3)
             if time.monotonic() - asked_s > ASK_PERIOD_S:
                 asked_s = time.monotonic()
-                link.send([GROUND_STATION])
+                link.send([ground_heartbeat()])
                 if autopilot is not None:
-                    link.send([_request(*autopilot)])
+                    link.send([HOME.message(autopilot, 0)])
     finally:
         link.close()
     raise ValueError(f"{url}: expected an autopilot that tells its home within {patience_s:g} s")
-
-
-def _request(system: int, component: int) -> mavlink.MAVLink_message:
-    number = float(mavlink.MAVLINK_MSG_ID_HOME_POSITION)
-    return mavlink.MAVLink_command_long_message(
-        system, component, mavlink.MAV_CMD_REQUEST_MESSAGE, 0, number, 0, 0, 0, 0, 0, 0
-    )

@@ -5,12 +5,11 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
-from tqdm import tqdm
 
 from sar_planner.parameters import CornerParameters
+from sar_sim.pool import in_parallel
 from sar_sim.rejoin_trials import PHASES, Trial, fly
 
 
@@ -42,10 +41,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes")
     args = parser.parse_args(argv)
     seeds = range(args.first_seed, args.first_seed + args.starts)
-    with ProcessPoolExecutor(args.jobs) as pool:
-        flown = pool.map(fly, seeds, chunksize=4)
-        quiet = not sys.stderr.isatty()
-        trials = list(tqdm(flown, total=args.starts, disable=quiet, leave=False))
+    trials = in_parallel(fly, seeds, args.jobs)
     sys.stdout.write(table(trials, CornerParameters().separation_m) + "\n")
     for trial in sorted(trials, key=lambda trial: trial.closest_m)[:3]:
         sys.stdout.write(f"nearest: seed {trial.seed}, {trial.phase}, {trial.closest_m:.1f} m\n")

@@ -10,6 +10,7 @@ from typing import Any, get_type_hints
 import yaml
 
 from sar_estimator.geodesy import Datum
+from sar_estimator.plane import blown_mps
 from sar_planner.parameters import CornerParameters
 
 ODD_ACTIONS = ("other_way", "go_on", "break_off")
@@ -157,8 +158,7 @@ class Wind:
     @property
     def vector_mps(self) -> tuple[float, float]:
         """Where the mean wind blows to, east and north [m/s]."""
-        towards = math.radians(270.0 - self.from_deg)
-        return self.speed_mps * math.cos(towards), self.speed_mps * math.sin(towards)
+        return blown_mps(self.speed_mps, self.from_deg)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,13 +5,11 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
-
-from tqdm import tqdm
 
 from sar_planner.rule_sets import RULE_SETS
 from sar_sim.options import find_scenario
+from sar_sim.pool import in_parallel
 from sar_sim.scenario import load_scenario
 from sar_sim.squares import CONDITIONS, HEADER, fly_square, summary
 
@@ -34,13 +32,11 @@ def main(argv: list[str] | None = None) -> int:
         scenario = load_scenario(find_scenario(args.scenario))
         seeds = range(args.first_seed, args.first_seed + args.seeds)
         sys.stdout.write(f"{scenario.name}, rules {args.rules}, {args.seeds} seeds\n{HEADER}\n")
-        with ProcessPoolExecutor(args.jobs) as pool:
-            for name, condition in chosen.items():
-                fly = partial(fly_square, base=scenario, condition=condition, rules=args.rules)
-                quiet = not sys.stderr.isatty()
-                told = tqdm(pool.map(fly, seeds), total=args.seeds, disable=quiet, leave=False)
-                sys.stdout.write(summary(name, condition, list(told)) + "\n")
-                sys.stdout.flush()
+        for name, condition in chosen.items():
+            fly = partial(fly_square, base=scenario, condition=condition, rules=args.rules)
+            told = in_parallel(fly, seeds, args.jobs)
+            sys.stdout.write(summary(name, condition, told) + "\n")
+            sys.stdout.flush()
     except ValueError as error:
         sys.stderr.write(f"squares: {error}\n")
         return 2
