@@ -1,18 +1,22 @@
 """The graph with an autopilot that is not its own: nothing is flown before an operator engages."""
 
+import re
 import subprocess
 import threading
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sar_bridge.mission_banks import BANK_ITEMS, BANKS
+from sar_estimator import topics
 from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose
 from sar_sim.autopilot import FlightMode, SimAutopilot
 from sar_sim.autopilot_link import AutopilotLink
 from sar_sim.autopilot_server import AutopilotServer
+from sar_sim.bag import read_messages
 from sar_sim.launch_cli import free_port
 from sar_sim.scenario import Scenario, Uav, Wind
 
@@ -21,10 +25,11 @@ ROOT = Path(__file__).parents[2]
 
 
 class Vehicle(threading.Thread):
-    """An airborne autopilot in real time, in this process, on the bridge's UDP port."""
+    """An airborne autopilot in this process, on the bridge's UDP port, at a clock of its own."""
 
-    def __init__(self, port):
+    def __init__(self, port, speed=1.0):
         super().__init__(daemon=True)
+        self.speed = speed
         scenario = Scenario()
         self.autopilot = SimAutopilot(
             Pose(250.0, -500.0, 1.5708),
@@ -42,8 +47,9 @@ class Vehicle(threading.Thread):
     def run(self):
         begun, steps = time.monotonic(), 0
         while self.running:
-            self.link.listen(max(0.0, begun + 0.05 * steps - time.monotonic()))
-            if time.monotonic() - begun >= 0.05 * steps:
+            due = begun + 0.05 * steps / self.speed
+            self.link.listen(max(0.0, due - time.monotonic()))
+            if time.monotonic() >= due:
                 self.autopilot.step(0.05)
                 steps += 1
                 self.link.report(0.05 * steps)
@@ -104,3 +110,51 @@ def test_engage_release_engage_and_return_home(launch):
     flight.process.terminate()
     code, _, errors = flight.wait()
     assert (code, errors) == (0, "")
+
+
+def times_by_autopilot(bag):
+    """Return pairs of the autopilot's clock and the recording's [s]."""
+    return np.array(
+        [
+            (message.clock.sec + 1e-9 * message.clock.nanosec, time_s)
+            for _, time_s, message in read_messages(bag, {topics.UAV_CLOCK})
+        ]
+    )
+
+
+def test_the_graphs_clock_is_the_autopilots(launch):
+    port = free_port()
+    vehicle = Vehicle(port, speed=3.0)
+    flight = launch("--autopilot", f"udp:127.0.0.1:{port}", "--speed", "3")
+    vehicle.start()
+    try:
+        await_true(lambda: operator(flight, "engage")[0] == 0)
+        await_true(lambda: vehicle.autopilot.mode is FlightMode.AUTO)
+        time.sleep(15.0)
+    finally:
+        flight.process.terminate()
+        code, _, errors = flight.wait()
+        vehicle.running = False
+        vehicle.join(timeout=5.0)
+    assert (code, errors) == (0, "")
+    autopilots, recordings = times_by_autopilot(flight.out / "bag").T
+    begun = recordings > recordings[0]  # the clock stands until the graph is complete
+    autopilots, recordings = autopilots[begun], recordings[begun]
+    assert autopilots[-1] - autopilots[0] > 30.0
+    behind = recordings - recordings[0] - (autopilots - autopilots[0])
+    assert np.median(np.abs(behind)) < 0.3
+    assert np.median(behind[-50:]) == pytest.approx(np.median(behind[:50]), abs=0.5)
+
+
+def test_a_speed_that_is_not_the_autopilots_ends_the_flight(launch):
+    port = free_port()
+    vehicle = Vehicle(port)
+    flight = launch("--autopilot", f"udp:127.0.0.1:{port}", "--speed", "8")
+    vehicle.start()
+    try:
+        code, _, errors = flight.wait()
+    finally:
+        vehicle.running = False
+        vehicle.join(timeout=5.0)
+    assert code == 1
+    assert re.search(r"sim: parameter speed = 8: expected (1|0\.9\d*|1\.0\d*), at which", errors)

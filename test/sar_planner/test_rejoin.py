@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from sar_estimator.plane import Pose
 from sar_planner.forecast import cornering, cruising, departing
-from sar_planner.rejoin import RejoinTask, rejoin, unhindered_s
+from sar_planner.rejoin import RejoinTask, rejoin
+from sar_planner.rejoin_bound import unhindered_s
 from sar_planner.separation import closest_over_time
 
 LEG = Pose(0.0, 250.0, 0.0)

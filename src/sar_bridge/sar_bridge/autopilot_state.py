@@ -98,7 +98,7 @@ class AutopilotState:
     """Folds telemetry messages into what the rest needs to know.
 
     ``mode``: the flight mode's name, empty before the first heartbeat. ``heartbeat_s``: when the
-    last one came, by the caller's monotonic clock.
+    last one came, by the caller's monotonic clock. ``boot_s``: the newest time since its boot.
     """
 
     def __init__(self) -> None:
@@ -109,6 +109,7 @@ class AutopilotState:
         self.heartbeat_s = -math.inf
         self.current_item = 0
         self.clock = BootClock()
+        self.boot_s = 0.0
         self.telemetry: UavTelemetry | None = None
         self.position_s = -math.inf
         self._vehicle = mavlink.MAV_TYPE_FIXED_WING
@@ -135,7 +136,10 @@ class AutopilotState:
             self.wind.airspeed_mps = message.airspeed
         elif kind == "MISSION_CURRENT":
             self.current_item = message.seq
-        elif kind == "GLOBAL_POSITION_INT" and datum is not None:
+        elif kind == "GLOBAL_POSITION_INT":
+            self.boot_s = message.time_boot_ms * 1e-3
+            if datum is None:
+                return False
             self.position_s = monotonic_s
             moved = self._position(message, ros_s, datum)
             if moved and self.telemetry is not None:

@@ -14,6 +14,7 @@ from geometry_msgs.msg import Vector3Stamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rosgraph_msgs.msg import Clock as ClockMessage
 from sensor_msgs.msg import NavSatFix
 from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
@@ -29,6 +30,7 @@ from sar_estimator.messages import (
     path_to_points,
     text_message,
     to_quaternion,
+    to_stamp,
     vector_message,
 )
 from sar_estimator.node_support import LATCHED, RELIABLE, now_s, parameter, run_node
@@ -52,11 +54,13 @@ class BridgeNode(Node):
         self._lock = threading.RLock()
         self._datum: Datum | None = None
         self._told_state = ""
+        self._told_boot_s = 0.0
         self._told_upload: object = None
         self._running = True
         self._started_s = 0.0
         self._early_list: Path | None = None
         self._odometry = self.create_publisher(Odometry, topics.UAV_ODOMETRY, RELIABLE)
+        self._uav_clock = self.create_publisher(ClockMessage, topics.UAV_CLOCK, RELIABLE)
         self._state = self.create_publisher(String, topics.UAV_STATE, LATCHED)
         self._uploaded = self.create_publisher(String, topics.UPLOADED, RELIABLE)
         self._autopilot = self.create_publisher(String, topics.AUTOPILOT, LATCHED)
@@ -98,6 +102,10 @@ class BridgeNode(Node):
         self._send(out)
         if moved and self._running:
             self._publish_odometry()
+        boot_s = self._session.state.boot_s
+        if boot_s != self._told_boot_s and self._running:
+            self._told_boot_s = boot_s
+            self._uav_clock.publish(ClockMessage(clock=to_stamp(boot_s)))
         uploaded = self._session.uploaded
         if uploaded is not self._told_upload and uploaded is not None and self._running:
             self._told_upload = uploaded

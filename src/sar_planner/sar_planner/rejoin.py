@@ -5,14 +5,15 @@ y = d. Two kinds of paths are searched. *Timed words*: for every arrival time th
 where the slot will be then, flown at the constant speed that arrives in time, where that is within
 the UAV's limits. *Captures* (``captures``): two or three headings on a grid, the straights solved
 for arriving on the slot at the fastest or the slowest speed. Words are the quickest where nothing
-is in the way; captures lead around the helicopter.
+is in the way; captures lead around the helicopter. From points along the path found it is looked
+again, at the other speed: what is sooner then takes the rest's place.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,16 +23,17 @@ from sar_planner.captures import CaptureProblem, PathBatch
 from sar_planner.dubins import lengths_m, words
 from sar_planner.forecast import Forecast
 from sar_planner.geometry import FlightPath, FloatArray
-from sar_planner.separation import least_of_all_m, sampling_slack_m
+from sar_planner.separation import closest_over_time, least_of_all_m, sampling_slack_m
 
 STEP_S = 0.5
-BOUND_STEP_S = 0.02
 QUICK = 24
 QUICK_SHARE = 1.1
 CHUNK = 64
 TRIED = 640
 FARTHEST = 200
 SLACK_S = 60.0
+LOOKED_AGAIN = (0.5, 0.6, 0.7, 0.8)
+WORTHWHILE_S = 0.2
 REFINEMENTS = 5
 REFINED_SHARE = 1.25
 REFINED_RAD = math.radians(6.0)
@@ -119,19 +121,6 @@ def timed_words(task: RejoinTask, step_s: float = STEP_S) -> tuple[FloatArray, F
     fits = (speeds >= task.slowest_mps - 1e-9) & (speeds <= task.fastest_mps + 1e-9)
     when, word = np.nonzero(fits.T)
     return rows[word, when], speeds[word, when]
-
-
-def unhindered_s(task: RejoinTask) -> float:
-    """Return the least time [s] in which any path of this radius meets the slot, helicopter aside.
-
-    Until some Dubins word meets the slot at a speed within the limits, the slot has not come into
-    what can be reached: the boundary of the poses that paths of exactly some length reach is made
-    of these words. Rounded down to a grid of ``BOUND_STEP_S``; infinite when it is never met.
-    """
-    rows, speeds = timed_words(task, BOUND_STEP_S)
-    if len(rows) == 0:
-        return math.inf
-    return float(lengths_m(rows[:1], task.turn_radius_m)[0] / speeds[0]) - BOUND_STEP_S
 
 
 class _Search:
@@ -227,6 +216,41 @@ class _Search:
 
 def rejoin(task: RejoinTask) -> RejoinPlan | None:
     """Return the soonest path found onto the slot, or None where no path meets it at all."""
+    plan, quick = _one_search(task)
+    if plan is None or quick or not plan.kept:
+        return plan
+    for share in LOOKED_AGAIN:
+        plan = _looked_again(task, plan, share)
+    return plan
+
+
+def _looked_again(task: RejoinTask, plan: RejoinPlan, share: float) -> RejoinPlan:
+    """Return a sooner plan whose first ``share`` is the plan's, else the plan.
+
+    Such a path can have more turns than one search tries. It is flown at one speed, too.
+    """
+    from_m = share * plan.path.length_m
+    flown_s = share * plan.duration_s
+    begin = plan.path.pose_at(from_m)
+    rest, _ = _one_search(replace(task, start=begin, start_s=task.start_s + flown_s))
+    if rest is None or not rest.kept:
+        return plan
+    duration_s = flown_s + rest.duration_s
+    if duration_s >= plan.duration_s - WORTHWHILE_S:
+        return plan
+    path = plan.path.cut(0.0, from_m).then(rest.path)
+    speed = path.length_m / duration_s
+    closest = min(
+        closest_over_time(path, forecast, start_s=task.start_s, speed_mps=speed).distance_m
+        for forecast in task.forecasts
+    )
+    if closest < task.separation_m:
+        return plan
+    return RejoinPlan(path, speed, duration_s, closest, kept=True)
+
+
+def _one_search(task: RejoinTask) -> tuple[RejoinPlan | None, bool]:
+    """Return the soonest path of the two kinds, and whether it is about the soonest there is."""
     search = _Search(task)
     word_rows, word_speeds = timed_words(task)
     found = _Found(word_rows, word_speeds)
@@ -235,7 +259,7 @@ def rejoin(task: RejoinTask) -> RejoinPlan | None:
         quick = _Found(word_rows[:QUICK], word_speeds[:QUICK])
         index = search.first_kept(quick, before_s=QUICK_SHARE * soonest + STEP_S)
         if index is not None:
-            return search.plan(quick.rows[index], float(quick.speeds[index]))
+            return search.plan(quick.rows[index], float(quick.speeds[index])), True
     kinds = list(search.families())
     captured = [search.captures(*kind, HEADINGS_RAD, HEADINGS_RAD) for kind in kinds]
     everything = _Found(
@@ -244,7 +268,7 @@ def rejoin(task: RejoinTask) -> RejoinPlan | None:
     )
     index = search.first_kept(everything)
     if index is None:
-        return _farthest(search, everything)
+        return _farthest(search, everything), False
     best_row, best_speed = everything.rows[index], float(everything.speeds[index])
     best_s = first_s = float(lengths_m(best_row, task.turn_radius_m)) / best_speed
     for kind, part in zip(kinds, captured, strict=True):
@@ -255,7 +279,7 @@ def rejoin(task: RejoinTask) -> RejoinPlan | None:
         row, time_s = search.refine(*kind, part.rows[at], begun_s)
         if time_s < best_s:
             best_row, best_speed, best_s = row, float(part.speeds[at]), time_s
-    return search.plan(best_row, best_speed)
+    return search.plan(best_row, best_speed), False
 
 
 def _farthest(search: _Search, found: _Found) -> RejoinPlan | None:

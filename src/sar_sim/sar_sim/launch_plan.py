@@ -102,6 +102,7 @@ def plan_nodes(
             "scenario": str(scenario_file),
             "speed": options.pace,
             "uav": not options.autopilot,
+            "follow_autopilot": bool(options.autopilot),
             "mavlink_port": port,
             "live_helicopter": options.live,
             "track": options.helicopter if options.recorded else "",

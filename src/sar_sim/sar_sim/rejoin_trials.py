@@ -12,7 +12,8 @@ from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose, wrap_angle
 from sar_planner.forecast import Forecast, cornering, cruising, departing
 from sar_planner.parameters import CornerParameters
-from sar_planner.rejoin import RejoinTask, rejoin, unhindered_s
+from sar_planner.rejoin import RejoinTask, rejoin
+from sar_planner.rejoin_bound import Limits, gates_of, lower_bound_s, unhindered_s
 from sar_planner.waypoints import path_waypoints
 from sar_sim.autopilot import FlightMode, SimAutopilot
 from sar_sim.scenario import Uav, Wind
@@ -104,14 +105,20 @@ def random_task(seed: int, p: CornerParameters) -> tuple[str, RejoinTask]:
             return phase, task
 
 
+def prepare(p: CornerParameters | None = None) -> None:
+    """Solve once what the bounds of all starts have in common."""
+    gates_of(Limits.of(random_task(0, p or CornerParameters())[1]))
+
+
 def fly(seed: int, p: CornerParameters | None = None) -> Trial:
     """Plan one start and fly it with the simulated autopilot, at the speed planned."""
     p = p or CornerParameters()
     phase, task = random_task(seed, p)
     plan = rejoin(task)
-    bound = max(unhindered_s(task), 1.0)
     if plan is None:
+        bound = max(unhindered_s(task), 1.0)
         return Trial(seed, phase, kept=False, planned_s=math.inf, bound_s=bound, **NEVER)
+    bound = max(lower_bound_s(task, plan.duration_s), 1.0)
     autopilot = SimAutopilot(
         task.start,
         speed_mps=plan.speed_mps,

@@ -10,7 +10,7 @@ import numpy as np
 
 from sar_planner.parameters import CornerParameters
 from sar_sim.pool import in_parallel
-from sar_sim.rejoin_trials import PHASES, Trial, fly
+from sar_sim.rejoin_trials import PHASES, Trial, fly, prepare
 
 
 def table(trials: list[Trial], separation_m: float) -> str:
@@ -41,6 +41,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes")
     args = parser.parse_args(argv)
     seeds = range(args.first_seed, args.first_seed + args.starts)
+    prepare()  # before the processes are forked
     trials = in_parallel(fly, seeds, args.jobs)
     sys.stdout.write(table(trials, CornerParameters().separation_m) + "\n")
     for trial in sorted(trials, key=lambda trial: trial.closest_m)[:3]:

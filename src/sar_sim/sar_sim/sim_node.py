@@ -26,6 +26,7 @@ from sar_estimator import topics
 from sar_estimator.geodesy import Datum
 from sar_estimator.messages import (
     fix_to_message,
+    from_stamp,
     odometry_to_motion,
     text_message,
     to_stamp,
@@ -37,14 +38,15 @@ from sar_estimator.states import Motion
 from sar_sim.autopilot_link import AutopilotLink
 from sar_sim.autopilot_server import AutopilotServer
 from sar_sim.offline import corner_truth_text, scenario_text
+from sar_sim.pacer import AutopilotPacer, Pacer, RealTimePacer
 from sar_sim.scenario import Scenario, load_scenario
 from sar_sim.tracks import load_track
 from sar_sim.world import World
 
 STEPS_PER_TRUTH = 2
 SPIN_PERIOD_S = 0.02
+LONGEST_WAIT_S = 0.02
 ENGAGE_PERIOD_S = 0.5
-MAX_SLIP_S = 0.5
 SETTLE_S = 2.0
 FLYING_MPS = 5.0
 STILL = Motion(0.0, 0.0, 0.0, 0.0, 0.0)
@@ -73,6 +75,10 @@ class SimNode(Node):
             server = AutopilotServer(self._world.autopilot, self._world.datum)
             port = parameter(self, "mavlink_port", 14550)
             self._link = AutopilotLink(server, port, time.monotonic)
+        self._follower: AutopilotPacer | None = None
+        if parameter(self, "follow_autopilot", default=False):
+            self._follower = AutopilotPacer(self._speed)
+            self.create_subscription(Clock, topics.UAV_CLOCK, self._on_uav_clock, RELIABLE)
         self._listeners = parameter(self, "wait_for_listeners", 1)
         self._patience_s = parameter(self, "patience_s", 30.0)
         self._clock_sender = self.create_publisher(Clock, topics.CLOCK, RELIABLE)
@@ -130,28 +136,25 @@ class SimNode(Node):
     def fly(self) -> None:
         """Wait until the graph listens, then fly to the end. Raises ``ValueError`` when alone."""
         self._await_graph()
-        begun = time.monotonic()
+        pacer: Pacer = self._follower or RealTimePacer(self._speed, time.monotonic())
         last_spin = 0.0
         while rclpy.ok() and not self._world.finished:
-            begun += self._hold()
-            due = begun + self._world.time_s / self._speed
+            if self._link is not None and self._speed > 1.0:
+                pacer.stood(self._link.hold())
+            wait = pacer.wait_s(self._world.time_s, time.monotonic())
+            self._listen(min(wait, LONGEST_WAIT_S))
+            if pacer.wait_s(self._world.time_s, time.monotonic()) <= 0.0:
+                self._step()
             now = time.monotonic()
-            if now - due > MAX_SLIP_S:
-                begun += now - due
-            self._listen(max(0.0, due - now))
-            if time.monotonic() < due:
-                continue
-            self._step()
             if now - last_spin > SPIN_PERIOD_S:
                 last_spin = now
                 self._executor.spin_once(timeout_sec=0.0)
                 self._ask_to_engage(now)
 
-    def _hold(self) -> float:
-        """Let the clock stand while a mission is transferred; return what that shifts it by [s]."""
-        if self._link is None or self._speed <= 1.0:
-            return 0.0
-        return self._link.hold() * (1.0 - 1.0 / self._speed)
+    def _on_uav_clock(self, message: Clock) -> None:
+        """Go on by the autopilot's clock."""
+        assert self._follower is not None
+        self._follower.hear(from_stamp(message.clock), time.monotonic())
 
     def _await_graph(self) -> None:
         """Hold the clock at its start until the graph has been complete for a moment."""
@@ -176,7 +179,7 @@ class SimNode(Node):
 
     def _listen(self, timeout_s: float) -> None:
         if self._link is None:
-            time.sleep(timeout_s)
+            self._executor.spin_once(timeout_sec=timeout_s)
         else:
             self._link.listen(timeout_s)
 
