@@ -201,3 +201,21 @@ def test_wind_and_the_autopilots_parameters_are_heeded():
     plan.disengage()
     plan.set_vehicle(Vehicle({"AIRSPEED_MAX": 18.0}))
     assert "AIRSPEED_MAX = 18" in plan.engage(100.2)
+
+
+def test_a_path_that_ends_beside_the_slot_is_left_when_it_has_been_flown():
+    """The helicopter was believed to go on; meanwhile it has turned, and is far away."""
+    plan = on_leg(0.0, beside=-300.0)
+    assert plan.update(100.0).mode == "rejoin"
+    end = plan._pilot.approach.frame.pose_to_map(plan._pilot.approach.path.end)
+    plan._pilot.approach = replace(
+        plan._pilot.approach, flown_m=plan._pilot.approach.path.length_m
+    )
+    done_s = 100.0 + plan._pilot.approach.path.length_m / plan._pilot.approach.speed_mps
+    plan.set_uav(Motion(done_s, end.x_m, end.y_m, 20.0, 0.0))
+    plan.set_leg(leg(done_s, x=80.0, y=-3000.0, heading=-math.pi / 2.0))
+    plan.set_helicopter(Motion(done_s, 80.0, -3000.0, 0.0, -20.0))
+    listed = plan.update(done_s)
+    assert listed is not None
+    assert listed.mode == "rejoin"
+    assert listed.points[-2][0] == pytest.approx(80.0 - 250.0, abs=1.0)

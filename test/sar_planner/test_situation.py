@@ -28,11 +28,13 @@ def estimate(**changes):
 def situation(phase, helicopter, *, side=1, leg=None, corner=None):
     known = Situation(CornerParameters(), side)
     known.set_helicopter(helicopter)
-    known.set_phase(phase)
     if leg is not None:
         known.set_leg(leg)
     if corner is not None:
         known.set_corner(corner)
+        if phase is not Phase.DECELERATING:
+            known.set_phase(Phase.STOPPED)
+    known.set_phase(phase)
     return known
 
 
@@ -113,3 +115,27 @@ def test_new_corners_are_counted_and_refinements_are_not():
     assert not known.set_corner(estimate(time_s=105.0))
     assert known.set_corner(estimate(time_s=204.0, stop_time_s=208.0))
     assert known.corners_seen == 2
+
+
+def test_the_corner_may_be_told_before_the_phase():
+    leg = LegEstimate(104.0, Pose(0.0, 0.0, 0.0), 20.0, 0.5, 0.001, 0.05)
+    slowing = Motion(104.0, 60.0, 0.0, 10.0, 0.0)
+    known = situation(Phase.CRUISE, slowing, leg=leg)
+    known.set_corner(estimate())
+    early = known.forecasts(104.0)
+    known.set_phase(Phase.DECELERATING)
+    assert known.forecasts(104.0) == early
+    assert not known.went_on
+    assert early[0].leg.heading_rad == pytest.approx(-math.pi / 2.0)
+
+
+def test_a_corner_not_foretold_yet_is_not_taken_for_the_one_before():
+    leg = LegEstimate(200.0, Pose(80.0, -1500.0, -math.pi / 2.0), 20.0, 0.5, 0.001, 0.05)
+    before = estimate(time_s=104.0, stop_time_s=108.0)
+    known = situation(
+        Phase.CRUISE, Motion(200.0, 80.0, -1500.0, 0.0, -15.0), leg=leg, corner=before
+    )
+    known.set_phase(Phase.DECELERATING)
+    going, stopping = known.forecasts(200.0)
+    assert going.positions([210.0])[0] == pytest.approx((80.0, -1700.0), abs=5.0)
+    assert stopping.positions([230.0])[0][1] == pytest.approx(-1580.0, abs=5.0)

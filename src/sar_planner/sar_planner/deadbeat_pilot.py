@@ -357,12 +357,13 @@ class DeadbeatPilot:
         done = flown >= approach.path.length_m - 1.0
         rest = approach.path.cut(min(flown, approach.path.length_m))
         settled = done or total_turn_rad(rest) < SETTLED_RAD
-        if (settled and self._on_slot(now_s, forecasts[0])) or overdue:
+        frame = self._s.slot_frame(forecasts[0].leg)
+        lost = done and _strays(approach, frame)
+        if (settled and self._on_slot(now_s, forecasts[0])) or overdue or lost:
             self._leave()
             return self._leg_list(now_s, forecasts)
         if done or now_s < self._retry_s:
             return None
-        frame = self._s.slot_frame(forecasts[0].leg)
         moved = _misses(approach, frame, rest.length_m, self._mission.far_tolerance)
         there = approach.path.pose_at(flown)
         off_m = math.hypot(here.x_m - there.x_m, here.y_m - there.y_m)
@@ -476,11 +477,14 @@ class DeadbeatPilot:
         expected = tuple(forecast.in_frame(approach.frame) for forecast in forecasts)
         rest = approach.path.cut(min(approach.flown_m, approach.path.length_m))
         kept_m = self._apart_m(rest, expected, now_s, approach.speed_mps * self._share)
-        if kept_m >= self._corner.separation_m:
+        safe = kept_m >= self._corner.separation_m
+        if safe and not _strays(approach, frame):
             return None
         plan = self._rejoin_plan(now_s, forecasts)
         if plan is not None and plan.kept:
             return self._take_rejoin(plan, now_s, frame)
+        if safe:
+            return None
         widest = search.widest()
         nearest = kept_m
         listed = None
@@ -554,6 +558,12 @@ class DeadbeatPilot:
         assert self.slot is not None
         points = self.lists.track(self.slot, self._s.uav)
         return None if points is None else (str(Mode.LEG), points)
+
+
+def _strays(approach: Approach, frame: CornerFrame) -> bool:
+    """Whether the path does not end on the slot track as it is known now."""
+    end = frame.to_frame(approach.frame.pose_to_map(approach.path.end))
+    return abs(end.y_m) > ON_TRACK_M or abs(end.heading_rad) > ON_HEADING_RAD
 
 
 def _misses(approach: Approach, frame: CornerFrame, left_m: float, far_tolerance: float) -> bool:

@@ -46,6 +46,7 @@ class Situation:
         self.estimate: CornerEstimate | None = None
         self.corners_seen = 0
         self.went_on = False
+        self._foretold = False
 
     # Events ------------------------------------------------------------------------------------
 
@@ -66,12 +67,17 @@ class Situation:
 
     def set_phase(self, phase: Phase) -> None:
         """Take the helicopter's phase."""
+        if phase is Phase.DECELERATING and self.phase is not phase:
+            self._foretold = False
         if self.phase is Phase.DECELERATING and phase in (Phase.CRUISE, Phase.ACCELERATING):
             self.went_on = True
         self.phase = phase
 
     def set_corner(self, estimate: CornerEstimate) -> bool:
-        """Take a prediction, or a refinement, of the corner ahead; return whether it is new."""
+        """Take a prediction, or a refinement, of the corner ahead; return whether it is new.
+
+        It may come before the phase that goes with it, or after it.
+        """
         known = self.estimate
         new = known is None or estimate.time_s < known.time_s - CLOCK_STEP_S
         if known is not None and estimate.onset_time_s > max(known.stop_time_s, known.time_s):
@@ -79,6 +85,9 @@ class Situation:
         if new:
             self.corners_seen += 1
             self.went_on = False
+            if self.phase is not Phase.STOPPED:
+                self.phase = Phase.DECELERATING
+        self._foretold = True
         self.estimate = estimate
         return new
 
@@ -111,7 +120,7 @@ class Situation:
         """Return the motion to come, and others that must be kept apart from too; or nothing.
 
         On a leg it goes on, or stops at once. Slowing, it will turn by a right angle to the
-        pattern's side. Standing, it has departed as recently as would not be seen yet, or stands
+        pattern's side, as soon as the corner is foretold. Standing, it has departed as recently as would not be seen yet, or stands
         on. Speeding up, it goes where it is going. Nothing where the leg is not known.
         """
         if self.helicopter is None or self.phase is Phase.LOST:
@@ -167,7 +176,7 @@ class Situation:
 
     def _decelerating(self, helicopter: Motion, now_s: float) -> tuple[Forecast, ...]:
         estimate = self.estimate
-        if estimate is None or self.went_on:
+        if estimate is None or self.went_on or not self._foretold:
             return self._cruise(helicopter, now_s)
         return (
             cornering(
