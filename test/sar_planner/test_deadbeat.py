@@ -8,12 +8,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sar_planner.captures import STRAIGHT_P, STRAIGHT_Q, STRAIGHT_Y
+from sar_planner.approach import row_of
+from sar_planner.captures import STRAIGHT_Q, STRAIGHT_Y, PathBatch
 from sar_planner.deadbeat import DeadbeatRules
 from sar_planner.deadbeat_automaton import DeadbeatAutomaton, check_deadbeat
 from sar_planner.parameters import CornerParameters, ParameterError
 from sar_planner.rules import NoPathError, Rule
 from sar_planner.separation import closest_approach
+from sar_sim.coverage import ideal_tracks, swath
 
 P = CornerParameters()
 AUTOMATON = DeadbeatAutomaton(P)
@@ -126,11 +128,11 @@ def test_domains_partition_the_line_and_transitions_follow():
 
 def test_graph_is_printed():
     text = AUTOMATON.describe()
-    for word in ("D1 cut corner", "D2 adjustable curve", "D1 -> D2", "one corner leaves"):
+    for word in ("D1 cut corner", "D2 adjustable curve", "D4 weave", "D1 -> D4", "one corner leaves"):
         assert word in text
 
 
-@pytest.mark.parametrize(("rule", "lag"), [(Rule.D1, 300.0), (Rule.D2, 0.0), (Rule.D3, -200.0)])
+@pytest.mark.parametrize(("rule", "lag"), [(Rule.D1, 300.0), (Rule.D2, 0.0), (Rule.D3, -200.0), (Rule.D4, 0.0)])
 def test_a_rule_can_be_forced(rule, lag):
     assert AUTOMATON.plan(lag, only=rule).rule is rule
 
@@ -142,13 +144,33 @@ def test_no_path_and_no_number():
         AUTOMATON.plan(math.nan)
 
 
-def test_coverage_counts_what_is_left_out_of_the_new_track():
-    """A curve that joins the new slot track far down it leaves the strip before out."""
+def test_a_weave_sees_what_a_late_curve_leaves_out():
+    """A curve that joins the new slot track far down it leaves the strip before unseen."""
     rules = DeadbeatRules(CornerParameters())
     problem = rules.problem(0.0)
     curves = rules.exact(problem, 110.0, (STRAIGHT_Y, STRAIGHT_Q))
     late = curves.take(np.flatnonzero(curves.ends[:, 0] > 1000.0))
     assert len(late) > 0
-    assert rules.coverage(late).max() < 0.9
-    soon = rules.exact(problem, 0.0, (STRAIGHT_P, STRAIGHT_Y))
-    assert rules.coverage(soon).max() > 0.95
+    weave = rules.plan(0.0, lead_m=110.0, separation_m=200.0)
+    assert weave.rule is Rule.D4
+    headings = np.radians([[160.0, 23.0, 46.0]])
+    woven = rules.weaves(problem, 110.0, headings)
+    assert rules.unseen_m2(woven).min() < 0.3 * rules.unseen_m2(late).min()
+
+
+@pytest.mark.parametrize(("lead", "separation", "most_m2"), [(110, 200, 9e3), (110, 230, 27e3), (90, 230, 9e3)])
+def test_what_a_corner_leaves_unseen(lead, separation, most_m2):
+    """Against an area by shapely, of both aircraft and the ideal strips."""
+    plan = DeadbeatRules(P).plan(0.0, lead_m=float(lead), separation_m=float(separation))
+    reach = 2500.0
+    helicopter = np.array([(-reach, 0.0), (0.0, 0.0), (0.0, -reach)])
+    _, strip = ideal_tracks(helicopter, spacing_m=250.0, turn_side=1)
+    path = plan.path.sample(5.0)
+    flown = np.vstack(((-reach, -250.0), path, (-250.0, -reach)))
+    seen = swath(flown, 125.0).union(swath(helicopter, 125.0))
+    unseen = swath(strip, 125.0).difference(seen).area
+    assert 0.0 < unseen < most_m2
+    rules = DeadbeatRules(P)
+    row = row_of(rules._frame.path_from_map(plan.path))
+    batch = PathBatch(rules.problem(0.0).start, P.turn_radius_m, row[None, :])
+    assert rules.unseen_m2(batch)[0] == pytest.approx(unseen, rel=0.15, abs=1500.0)

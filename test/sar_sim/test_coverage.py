@@ -46,10 +46,45 @@ def test_no_track_no_swath():
         swath(STRAIGHT[:1], 100.0)
 
 
-def test_pattern_that_crosses_itself_has_an_inner_track_in_parts():
-    corners = np.array([(0, 0), (0, 900), (700, 900), (700, 300), (-600, 500), (-300, 1500)], float)
+def expanding_square(first_m, spacing_m, corners):
+    """Return start, corners and end of a square that turns right."""
+    points, length = [np.zeros(2)], first_m
+    for leg in range(corners + 1):
+        heading = math.pi / 2.0 - leg * math.pi / 2.0
+        way = np.array((math.cos(heading), math.sin(heading)))
+        points.append(points[-1] + length * way)
+        length += 2.0 * spacing_m * (leg % 2)
+    return np.array(points)
+
+
+def test_strips_of_an_expanding_square_lie_side_by_side():
+    """Of both aircraft, and of neighbouring rounds: what is claimed is the sum of the strips."""
+    points = expanding_square(1500.0, 250.0, 12)
+    helicopter, uav = ideal_tracks(points, spacing_m=250.0, turn_side=1)
+    assert len(uav) == len(points)
+    # Legs at right angles to those of the helicopter, shorter by d at either corner.
+    legs = np.hypot(*np.diff(uav, axis=0).T)
+    wanted = np.hypot(*np.diff(points, axis=0).T) - 500.0
+    wanted[[0, -1]] += 250.0
+    assert legs == pytest.approx(wanted)
+    found = measure(helicopter, uav, (helicopter, uav), radius_m=125.0, footprint="disc")
+    assert found.percent == pytest.approx(100.0, abs=1e-6)
+    strips = 250.0 * (np.hypot(*np.diff(points, axis=0).T).sum() + legs.sum())
+    assert found.claimed_m2 == pytest.approx(strips, rel=0.01)
+
+
+def test_a_pattern_that_crosses_itself_and_stops_twice_has_an_inner_track():
+    corners = np.array(
+        [(0, 0), (0, 900), (0, 900), (700, 900), (700, 300), (-600, 500), (-300, 1500)], float
+    )
     tracks = ideal_tracks(corners, spacing_m=250.0, turn_side=1)
-    assert len(tracks) >= 2
-    assert all(track.shape[1] == 2 for track in tracks)
+    assert [track.shape for track in tracks] == [(6, 2), (6, 2)]
+    assert np.isfinite(tracks[1]).all()
     found = measure(tracks[0], tracks[1], tracks, radius_m=125.0, footprint="disc")
-    assert 50.0 < found.percent <= 100.0
+    assert found.percent == pytest.approx(100.0, abs=1e-6)
+
+
+def test_a_way_back_has_no_endless_mitre():
+    there_and_back = np.array([(0.0, 0.0), (1000.0, 0.0), (0.0, 10.0)])
+    _, uav = ideal_tracks(there_and_back, spacing_m=250.0, turn_side=1)
+    assert np.abs(uav).max() < 4000.0

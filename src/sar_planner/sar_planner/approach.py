@@ -30,6 +30,7 @@ AHEAD_FACTOR = 1.5
 GRID_RAD = np.radians(np.arange(-172.5, 181.0, 7.5))
 OVERSHOOTS_RAD = tuple(math.radians(slope) for slope in (20.0, 40.0, 60.0, 80.0))
 SIDES = (1, -1)
+NEAR_RAD = np.radians((0.0, -2.5, 2.5, -8.0, 8.0))
 CHUNK = 48
 WIDEST = 600
 LOYAL_M = 5.0
@@ -71,6 +72,14 @@ def final_lag_m(path: FlightPath, forecast: Forecast, *, start_s: float, speed_m
     """Return the lag on the slot [m] after a path begun at ``start_s``, at equal speeds then."""
     arrival_s = start_s + path.length_m / speed_mps
     return forecast.slot_x_m(arrival_s) - path.end.x_m
+
+
+def _near(turn_rad: float) -> FloatArray:
+    """Return a turn and ones near it, to the same side [rad]; none stays none."""
+    if turn_rad == 0.0:
+        return np.zeros(1)
+    near = turn_rad + NEAR_RAD
+    return near[near * turn_rad > 0.0]
 
 
 def row_of(path: FlightPath) -> FloatArray | None:
@@ -172,12 +181,19 @@ class Recapture:
         return None if found is None else found[0]
 
     def _same_turns(self, row: FloatArray) -> PathBatch:
-        """Return the paths of the same headings with other straights."""
+        """Return the paths of the same turns, or of ones near them, with other straights.
+
+        The third turn is the one that makes up for what the first two are changed by.
+        """
+        problem = replace(self._problem, last_turn_rad=float(row[6]))
+        turn_1, turn_2 = (
+            turn.ravel() for turn in np.meshgrid(_near(row[1]), _near(row[3]), indexing="ij")
+        )
+        sides = (int(math.copysign(1.0, row[5])),) if row[5] else SIDES
         batches = []
-        turn_1, turn_2 = row[1:2], row[3:4]
         for pair in PAIRS:
-            for side in SIDES:
-                batch = self._problem.solve(turn_1, turn_2, side, self._detour_m, straights=pair)
+            for side in sides:
+                batch = problem.solve(turn_1, turn_2, side, self._detour_m, straights=pair)
                 batches.append(batch.take(np.abs(batch.rows[:, 5]) <= LONGEST_TURN_RAD))
         return PathBatch.join(batches)
 

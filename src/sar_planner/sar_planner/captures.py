@@ -128,7 +128,7 @@ class PathBatch:
         )
 
 
-def turn_to(heading_rad: FloatArray, target_rad: float, side: int) -> FloatArray:
+def turn_to(heading_rad: FloatArray, target_rad: float | FloatArray, side: int) -> FloatArray:
     """Return the signed turns [rad], |turn| < 2 pi, from headings to a heading by one side."""
     turn = np.mod(side * (target_rad - heading_rad), TWO_PI)
     return side * np.where(turn > TWO_PI - 1e-9, 0.0, turn)
@@ -139,13 +139,13 @@ class CaptureProblem:
     """From ``start``, in the slot's frame (track on y = 0, direction +x), onto the slot track.
 
     ``slow_factor``: kappa = V / speed of the UAV along its path. ``last_turn_rad``: the last arc, 0
-    for none. ``lead_factor``: kappa on the first straight where it is another one.
+    for none, one for all paths or one for each. ``lead_factor``: kappa on the first straight where it is another one.
     """
 
     start: Pose
     radius_m: float
     slow_factor: float = 1.0
-    last_turn_rad: float = 0.0
+    last_turn_rad: float | FloatArray = 0.0
     lead_factor: float | None = None
 
     @property
@@ -161,7 +161,7 @@ class CaptureProblem:
         h2 = h1 + turn_2
         turn_3 = turn_to(h2, -self.last_turn_rad, last_side)
         h3 = h2 + turn_3
-        turn_4 = np.full_like(h3, self.last_turn_rad)
+        turn_4 = np.broadcast_to(self.last_turn_rad, h3.shape)
         r = self.radius_m
         lateral = np.zeros_like(h1)
         forward = np.zeros_like(h1)

@@ -1,11 +1,13 @@
 """The deadbeat rules: for any lag the path that leaves the least lag and stays apart.
 
-Three named rules, all of the shape S(p) C S(y) C S(q) C of ``captures``, in the corner's frame:
+Four named rules, all of the shape S(p) C S(y) C S(q) C C of ``captures``, in the corner's frame:
 
 * D1 cut corner: S(p) R(pi/2).
 * D2 adjustable curve: S(p) R(alpha) S(y) L(beta) R(gamma), the paper's curve with its lead-in p,
   its straight y, its slope and its first turn alpha all free (the paper has alpha = pi).
 * D3 outside loop: S(p) L(pi + psi) S(q) L(pi/2 - psi), lead-in and slope free.
+* D4 weave: S(p) R(alpha) S(y) R(beta) S(q) L(gamma) R(delta), the curve with a third heading: it
+  crosses the new slot track as early as it can, swings back, and so sees most of both strips.
 
 For a lag L(k) the rule is chosen whose path leaves the smallest |L(k+1)| while the closest approach
 over the whole manoeuvre is no less than ``separation_m``; among equals the one with the best
@@ -15,8 +17,7 @@ coverage of the corner, then the shortest. L(k+1) = E - d - 3 s, where E is the 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,16 +27,27 @@ from sar_planner.geometry import CornerFrame, FloatArray
 from sar_planner.parameters import CornerParameters
 from sar_planner.rules import CornerPlan, NoPathError, Rule, next_lag_m
 from sar_planner.separation import corner_forecast, least_distances_m, sampling_slack_m
+from sar_planner.strips import strips_of
 
 HALF_PI = math.pi / 2.0
 FIRST_TURNS_RAD = np.radians(np.r_[99.0:150.0:3.0, 150.0:241.0:10.0])
 SLOPES_RAD = np.radians(np.arange(0.0, 181.0, 6.0))
 LOOP_TURNS_RAD = np.radians(np.arange(120.0, 251.0, 10.0))
 LOOP_LEADS = np.arange(0.0, 4.1, 0.5)
+WEAVE_TURNS_RAD = np.radians(np.arange(105.0, 190.0, 10.0))
+WEAVE_SECOND_RAD = np.radians(np.arange(0.0, 91.0, 15.0))
+WEAVE_LAST_RAD = np.radians((36.0, 46.0, 56.0))
+WEAVES_RAD = np.stack(
+    np.meshgrid(WEAVE_TURNS_RAD, WEAVE_SECOND_RAD, WEAVE_LAST_RAD, indexing="ij"), axis=-1
+).reshape(-1, 3)
+WEAVES_ABOUT_RAD = np.radians(
+    np.stack(np.meshgrid((-5, 0, 5), (-7, 0, 7), (-5, 0, 5), indexing="ij"), axis=-1).reshape(-1, 3)
+)
+WOVEN = 12
+SEEN = 0.03
 CONVERGED_M = 0.5
 MAX_STRAIGHT_SPACINGS = 2.4
 MAX_STRAIGHT_SHARE = 2.6
-COVERED_SPACINGS = 2.5
 COMPARED = 5
 CHUNK = 32
 FINER = 16
@@ -56,7 +68,7 @@ class Candidates:
 
 
 class DeadbeatRules:
-    """The three rules at one corner's parameters."""
+    """The four rules at one corner's parameters."""
 
     def __init__(self, parameters: CornerParameters, *, made_good: float = 1.0) -> None:
         """Prepare what does not depend on the lag.
@@ -73,16 +85,6 @@ class DeadbeatRules:
         self._turn_2 = slope.ravel() - first
         forward = self._turn_2 >= 0.0
         self._turn_1, self._turn_2 = self._turn_1[forward], self._turn_2[forward]
-
-    @cached_property
-    def _cells(self) -> FloatArray:
-        """Points of the UAV's two strips about the corner, in the slot's frame, shape (n, 2)."""
-        d = self.parameters.spacing_m
-        steps = np.arange(0.0, COVERED_SPACINGS * d, 0.2 * d)
-        lanes = (-d / 3.0, 0.0, d / 3.0)
-        old = [np.column_stack((np.full_like(steps, d + lane), -steps)) for lane in lanes]
-        new = [np.column_stack((d + steps, np.full_like(steps, lane))) for lane in lanes]
-        return np.vstack(old + new)
 
     def problem(self, lag_m: float) -> CaptureProblem:
         """Return the problem in the slot's frame: the UAV at (-(s + L), -d) in the corner's."""
@@ -112,6 +114,50 @@ class DeadbeatRules:
             lead_m=lead_m,
         )
         return self._short(batch, lead_m)
+
+    def weaves(self, problem: CaptureProblem, lead_m: float, headings: FloatArray) -> PathBatch:
+        """Return the weaves with L(k+1) = 0; ``headings``: alpha, beta, delta [rad], shape (n, 3)."""
+        alpha, beta, delta = headings.T
+        # The left turn gamma leads on from where the others do, or there is none.
+        possible = alpha + beta + delta >= HALF_PI
+        alpha, beta, delta = alpha[possible], beta[possible], delta[possible]
+        woven = replace(problem, last_turn_rad=-delta)
+        batches = [
+            woven.solve(-alpha, -beta, 1, self._offset_m, straights=pair, lead_m=lead_m)
+            for pair in ((STRAIGHT_Y, STRAIGHT_Q), (STRAIGHT_P, STRAIGHT_Y))
+        ]
+        return self._short(PathBatch.join(batches), lead_m)
+
+    def _best_weave(
+        self, problem: CaptureProblem, lead_m: float, separation_m: float
+    ) -> PathBatch | None:
+        """Return the weave that leaves the least unseen: of a grid, then of one about the best."""
+        coarse = self.weaves(problem, lead_m, WEAVES_RAD)
+        best = self._least_unseen(coarse, separation_m)
+        if best is None or self.unseen_m2(best)[0] < SEEN * self.parameters.spacing_m**2:
+            return best
+        headings = np.abs(best.rows[0, [1, 3, 6]])
+        finer = self.weaves(problem, lead_m, np.maximum(headings + WEAVES_ABOUT_RAD, 0.0))
+        return self._least_unseen(PathBatch.join([best, finer]), separation_m)
+
+    def _least_unseen(self, batch: PathBatch, separation_m: float) -> PathBatch | None:
+        """Return, of the shortest paths that keep the separation, the one that sees the most."""
+        order = np.argsort(batch.lengths_m, kind="stable")
+        found: list[int] = []
+        for begin in range(0, len(order), CHUNK):
+            chosen = order[begin : begin + CHUNK]
+            safe = chosen[self.distances_m(batch.take(chosen)) >= separation_m]
+            found += safe.tolist()
+            if len(found) >= WOVEN:
+                break
+        if not found:
+            return None
+        kept = batch.take(found[:WOVEN])
+        return kept.take([int(np.argmin(self.unseen_m2(kept)))])
+
+    def unseen_m2(self, batch: PathBatch) -> FloatArray:
+        """Return the area of the UAV's strips about the corner that paths leave unseen [m^2]."""
+        return strips_of(self.parameters.spacing_m).unseen_m2(batch)
 
     def _short(self, batch: PathBatch, lead_m: float) -> PathBatch:
         p = self.parameters
@@ -152,25 +198,6 @@ class DeadbeatRules:
         slack = sampling_slack_m(self.parameters.separation_m, self.parameters.turn_radius_m)
         return sampled - slack
 
-    def coverage(self, batch: PathBatch) -> FloatArray:
-        """Return the share of the UAV's strips about the corner that every path covers."""
-        d = self.parameters.spacing_m
-        cells = self._cells
-        distances = np.arange(0.0, float(batch.lengths_m.max()) + 0.16 * d, 0.16 * d)
-        points = batch.points(distances).reshape(-1, 2)
-        square = (
-            np.square(points).sum(axis=1)[:, None]
-            + np.square(cells).sum(axis=1)[None, :]
-            - 2.0 * np.multiply.outer(points[:, 0], cells[:, 0])
-            - 2.0 * np.multiply.outer(points[:, 1], cells[:, 1])
-        )
-        near = (square <= (0.5 * d) ** 2).reshape(len(batch), len(distances), -1).any(axis=1)
-        on_old = np.arange(len(cells)) < len(cells) // 2
-        before = on_old & (cells[:, 1] <= batch.start.y_m)
-        after = ~on_old[None, :] & (cells[None, :, 0] >= batch.ends[:, :1])
-        covered: FloatArray = (near | before[None, :] | after).mean(axis=1)
-        return covered
-
     def plan(
         self,
         lag_m: float,
@@ -188,6 +215,10 @@ class DeadbeatRules:
         lead_m = max(0.0, lead_m)
         cut = self.cut(problem, lead_m)
         cut_does = only in (None, Rule.D1) and (np.abs(cut.next_lags_m) <= CONVERGED_M).any()
+        if only in (None, Rule.D4) and not cut_does:
+            weave = self._best_weave(problem, lead_m, separation_m)
+            if weave is not None:
+                return self._corner_plan(Rule.D4, lag_m, weave)
         if only in (None, Rule.D2) and not cut_does:
             for straights in ((STRAIGHT_P, STRAIGHT_Y), (STRAIGHT_Y, STRAIGHT_Q)):
                 exact = self.exact(problem, lead_m, straights)
@@ -228,7 +259,7 @@ class DeadbeatRules:
 
     def _best_covering(self, batch: PathBatch) -> PathBatch:
         """Return the path, of some in order of length, with the best coverage."""
-        return batch.take([int(np.argmax(self.coverage(batch)))])
+        return batch.take([int(np.argmin(self.unseen_m2(batch)))])
 
     def _finer_loop(
         self,

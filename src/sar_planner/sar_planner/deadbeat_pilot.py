@@ -42,6 +42,7 @@ FRAME_TURN_RAD = math.radians(2.0)
 SETTLED_RAD = math.radians(20.0)
 TIMING_M = 15.0
 MARGIN_SHARE = 0.2
+CORRECTED_SHARE = 0.5
 WIDER_M = 5.0
 LONGER_SPACINGS = 1.0
 LATE_FACTOR = 2.5
@@ -440,7 +441,8 @@ class DeadbeatPilot:
             old.length_m - from_m + LONGER_SPACINGS * self._corner.spacing_m,
         )
         row = row_of(old.cut(from_m))
-        wanted, _, least = self._separations_m()
+        least = self._corner.separation_m
+        wanted = least + CORRECTED_SHARE * self._mission.separation_margin_m
         path = search.best(row, wanted, least)
         if path is None:
             return self._widest(search, now_s, forecasts, frame)

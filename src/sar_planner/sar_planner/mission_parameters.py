@@ -42,9 +42,9 @@ class MissionParameters:
     turn_share: float = 0.8
     roll_lag_s: float = 0.35
     speed_lead_s: float = 3.5
-    reaction_s: float = 1.5
+    reaction_s: float = 1.0
     horizon_m: float = 4000.0
-    slot_tolerance_m: float = 4.0
+    slot_tolerance_m: float = 1.0
     capture_m: float = 150.0
     loiter_radius_m: float = 100.0
     stale_s: float = 5.0
@@ -56,7 +56,7 @@ class MissionParameters:
     far_tolerance: float = 0.03
     correction_s: float = 2.0
     ahead_m: float = 60.0
-    separation_margin_m: float = 30.0
+    separation_margin_m: float = 25.0
     bias_gain: float = 0.5
 
     def __post_init__(self) -> None:

@@ -23,7 +23,7 @@ HALF_PI = math.pi / 2.0
 
 
 class Rule(enum.StrEnum):
-    """The path rules: T1 to T4 in the paper's numbering, D1 to D3 of the deadbeat set.
+    """The path rules: T1 to T4 in the paper's numbering, D1 to D4 of the deadbeat set.
 
     RJ stands for a corner that is begun from anywhere but the slot track.
     """
@@ -35,6 +35,7 @@ class Rule(enum.StrEnum):
     D1 = "D1"
     D2 = "D2"
     D3 = "D3"
+    D4 = "D4"
     RJ = "RJ"
 
     @property
@@ -48,6 +49,7 @@ class Rule(enum.StrEnum):
             Rule.D1: "cut corner",
             Rule.D2: "adjustable curve",
             Rule.D3: "outside loop",
+            Rule.D4: "weave",
             Rule.RJ: "rejoin",
         }[self]
 

@@ -16,6 +16,8 @@ FloatArray = NDArray[np.float64]
 
 ARC_SEGMENTS = 32
 SQUARE_STEP_M = 10.0
+LEAST_MITRE = 0.2
+LEAST_LEG_M = 1e-3
 
 
 @dataclass(frozen=True)
@@ -73,16 +75,26 @@ def _squares(xy_m: FloatArray, half_m: float) -> list[Polygon]:
 
 def ideal_tracks(
     corners_xy: FloatArray, *, spacing_m: float, turn_side: int
-) -> tuple[FloatArray, ...]:
+) -> tuple[FloatArray, FloatArray]:
     """Return the ideal formation's tracks with sharp corners, each of shape (n, 2) [m].
 
     ``corners_xy``: the helicopter's start, corners and end. The UAV flies ``spacing_m`` inside; its
-    track is in several parts where the pattern crosses itself.
+    corners are where its legs' lines cross. (A library's offset curve falls apart here: in an
+    expanding square the UAV's strips of two rounds lie side by side.) Points that are the same count
+    once; two or more are needed.
     """
-    line = LineString(corners_xy)
-    inner = line.offset_curve(-turn_side * spacing_m, join_style="mitre", mitre_limit=10.0)
-    parts = [part for part in getattr(inner, "geoms", [inner]) if not part.is_empty]
-    return (np.asarray(line.coords), *(np.asarray(part.coords) for part in parts))
+    line = np.asarray(corners_xy, dtype=np.float64)
+    ways = np.diff(line, axis=0)
+    lengths = np.hypot(ways[:, 0], ways[:, 1])
+    if lengths.min(initial=math.inf) < LEAST_LEG_M:
+        apart = np.concatenate(([True], lengths >= LEAST_LEG_M))
+        return ideal_tracks(line[apart], spacing_m=spacing_m, turn_side=turn_side)
+    ways /= lengths[:, None]
+    inward = turn_side * np.column_stack((ways[:, 1], -ways[:, 0]))
+    before = np.vstack((inward[:1], inward))
+    after = np.vstack((inward, inward[-1:]))
+    straightness = np.maximum(1.0 + (before * after).sum(axis=1), LEAST_MITRE)
+    return line, line + spacing_m * (before + after) / straightness[:, None]
 
 
 def measure(
