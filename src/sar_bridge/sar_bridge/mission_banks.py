@@ -24,6 +24,8 @@ BANKS = 3
 BANK_ITEMS = 64
 NEAR_M = 25.0
 GAP_M = 10.0
+AHEAD_M = 10.0
+FARTHEST_M = 120.0
 FOREVER = -1.0
 
 
@@ -126,13 +128,23 @@ class MissionBanks:
                 break
             if math.hypot(*(target - here)) < within_s * uav.speed_mps:
                 continue
-            entry = _entry(np.vstack((here, points)), target)
+            passing = target + self._beside(current, target, here)
+            entry = _entry(np.vstack((here, points)), target, passing)
             if entry is None:
                 break
             self._led_to, self._jump_at = self._filled, kept + 1
             return Write(kept + 1, (jump_to(begin + entry),))
         self._led_to, self._jump_at = self._filled, None
         return MakeCurrent(begin + first_ahead(points, uav))
+
+    def _beside(self, current: int, target: FloatArray, here: FloatArray) -> FloatArray:
+        """Return how far beside a waypoint the UAV will pass it: as far as beside its leg now."""
+        begin, end = self._point(current - 1), self._point(current)
+        if begin is None or end is None or not (way := end - begin).any():
+            return np.zeros_like(target)
+        across = np.array((-way[1], way[0])) / math.hypot(*way)
+        beside: FloatArray = float((here - end) @ across) * across
+        return beside
 
     def missed(self, current: int, uav: Motion) -> MakeCurrent | None:
         """Return what to make current where the UAV was past the jump before it was there."""
@@ -146,10 +158,12 @@ class MissionBanks:
         return MakeCurrent(self._begin(led_to) + first_ahead(self._points[led_to], uav))
 
 
-def _entry(line: FloatArray, target: FloatArray) -> int | None:
+def _entry(line: FloatArray, target: FloatArray, passing: FloatArray) -> int | None:
     """Return which point of a list, behind the UAV's position in ``line``, comes after ``target``.
 
-    None where the list does not lead past it.
+    None where the list does not lead past it. ``passing``: where the UAV will be when it passes the
+    target. A point whose leg from the target would be over by then is left out: ArduPlane would
+    begin that leg where the UAV is, and turn back for the point.
     """
     begin, way = line[:-1], np.diff(line, axis=0)
     lengths = np.maximum(np.hypot(way[:, 0], way[:, 1]), 1e-9)
@@ -164,5 +178,9 @@ def _entry(line: FloatArray, target: FloatArray) -> int | None:
     while leg + 1 < len(off) and off[leg + 1] < off[leg]:
         leg += 1
     at = stations[leg] + share[leg] * lengths[leg]
-    after = np.flatnonzero(stations[1:] > at + GAP_M)
-    return int(after[0]) if after.size else None
+    legs = line[1:] - target
+    left_m = ((line[1:] - passing) * legs).sum(axis=1) / np.maximum(np.hypot(*legs.T), 1e-9)
+    after = np.flatnonzero((stations[1:] > at + GAP_M) & (left_m > AHEAD_M))
+    if after.size == 0 or stations[1 + after[0]] > at + FARTHEST_M:
+        return None
+    return int(after[0])

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sar_estimator.plane import Pose
+from sar_estimator.plane import Pose, wrap_angle
 from sar_estimator.states import CornerEstimate, LegEstimate, Phase
 from sar_planner.approach import Approach, Recapture, final_lag_m, row_of, total_turn_rad
 from sar_planner.deadbeat import CONVERGED_M, DeadbeatRules
@@ -420,13 +420,14 @@ class DeadbeatPilot:
         kept = old.cut(min(flown_m, old.length_m), from_m)
         begin = old.pose_at(from_m)
         if off_m >= OFF_PATH_M:
+            # From where it is, and as it points, it flies on as the old path does.
             here = self._uav_in(approach.frame, now_s)
             there = old.pose_at(flown_m)
-            begin = Pose(
-                begin.x_m + here.x_m - there.x_m,
-                begin.y_m + here.y_m - there.y_m,
-                begin.heading_rad,
+            moved = here.offset(
+                there.along(begin.x_m, begin.y_m), there.across(begin.x_m, begin.y_m)
             )
+            turned = wrap_angle(begin.heading_rad - there.heading_rad)
+            begin = replace(moved, heading_rad=here.heading_rad + turned)
             kept = FlightPath(begin, ())
         in_map = approach.frame.pose_to_map(begin)
         start = frame.to_frame(in_map)

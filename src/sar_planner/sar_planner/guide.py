@@ -34,6 +34,7 @@ STEP_M = 5.0
 STRAIGHT_M = 0.5
 FIRST_M = 1.0
 LARGEST_OFFSET = 0.4
+AHEAD_M = 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +104,29 @@ class Guide:
         courses = np.interp(stations, ends, headings)
         left = np.column_stack((-np.sin(courses), np.cos(courses)))
         points: FloatArray = self.path.points(stations) + offsets[:, None] * left
-        return points
+        return points[self._in_order(points, from_m)]
+
+    def _in_order(self, points: FloatArray, from_m: float) -> list[int]:
+        """Return which waypoints, shape (n, 2), a UAV on the path never has to turn back for.
+
+        A leg ends when the line across it through its target is passed. Where the guide bends to
+        the outside of the next leg, that one's line may lie behind by then: its target is left out.
+        """
+        begin = self.path.pose_at(from_m).offset(0.0, self.offset_at(from_m))
+        last = np.array((begin.x_m, begin.y_m))
+        way = self.path.points(np.arange(from_m, self.path.length_m + STEP_M, STEP_M))
+        kept: list[int] = []
+        at = 0
+        for i, point in enumerate(points):
+            leg = point - last
+            left_m = ((point - way[at:]) @ leg) / max(float(np.hypot(*leg)), 1e-6)
+            if left_m[0] < AHEAD_M and i + 1 < len(points):
+                continue
+            kept.append(i)
+            passed = np.flatnonzero(left_m <= 0.0)
+            at += int(passed[0]) if passed.size else len(left_m) - 1
+            last = point
+        return kept
 
 
 def _joints(path: FlightPath) -> tuple[FloatArray, FloatArray]:

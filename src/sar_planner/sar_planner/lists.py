@@ -18,8 +18,10 @@ LEAST_GAP_M = 5.0
 LOITER_AHEAD_M = 300.0
 GUIDE_GAP_M = 10.0
 SETTLING_L1 = 4.0
-SAME_PATH_M = 10.0
-SAME_HEADING_RAD = 0.3
+RENEWED_M = 200.0
+LATER_SHARE = 0.25
+SAME_PATH_M = 50.0
+SAME_HEADING_RAD = 1.0
 
 
 class WaypointLists:
@@ -68,18 +70,22 @@ class WaypointLists:
         points = self._guide.waypoints(self._p.guide_spacing_m, from_m=from_m)
         return thinned(np.vstack((points, *far)), GUIDE_GAP_M)
 
-    def _offset_at(self, pose: Pose) -> float | None:
-        """Return the offset of the guide that is flown, where a new path goes on from it."""
+    def _offset_at(self, pose: Pose) -> float:
+        """Return how far to the left of a new path's start the guide is that is flown now.
+
+        0 where none is: a UAV that flies straight on is on its leg. The new guide goes on from
+        there; one that began elsewhere would be a bend in the list that no path asks for.
+        """
         if self._guide is None:
-            return None
+            return 0.0
         old = self._guide.path
         at = old.nearest_m(pose.x_m, pose.y_m, 0.0, old.length_m)
         there = old.pose_at(at)
-        near = abs(there.across(pose.x_m, pose.y_m)) + abs(there.along(pose.x_m, pose.y_m))
-        turned = abs(wrap_angle(there.heading_rad - pose.heading_rad))
-        if near > SAME_PATH_M or turned > SAME_HEADING_RAD:
-            return None
-        return self._guide.offset_at(at)
+        if abs(wrap_angle(there.heading_rad - pose.heading_rad)) > SAME_HEADING_RAD:
+            return 0.0
+        point = there.offset(0.0, self._guide.offset_at(at))
+        off = pose.across(point.x_m, point.y_m)
+        return off if abs(off) < SAME_PATH_M else 0.0
 
     def track(self, slot: Pose, uav: Motion) -> FloatArray | None:
         """Return the waypoints, shape (3, 2) [m], of a slot track's list that is due, or None."""
@@ -90,8 +96,11 @@ class WaypointLists:
                 abs(self._listed.across(here.x_m, here.y_m)),
                 0.5 * abs(self._listed.across(far.x_m, far.y_m)),
             )
-            left = self._p.horizon_m - self._listed.along(uav.x_m, uav.y_m)
-            if shift < self._p.slot_tolerance_m and left > 0.4 * self._p.horizon_m:
+            flown = self._listed.along(uav.x_m, uav.y_m)
+            tolerance = self._p.slot_tolerance_m
+            if flown > RENEWED_M:
+                tolerance *= LATER_SHARE
+            if shift < tolerance and flown < 0.6 * self._p.horizon_m:
                 return None
         self._listed = here
         self._guide = None

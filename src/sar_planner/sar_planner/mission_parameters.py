@@ -23,7 +23,7 @@ class MissionParameters:
     over a coordinated turn's. roll_lag_s: from its demand to the bank. speed_lead_s: how far ahead
     of the UAV the airspeed is chosen for. reaction_s: from a decision to the autopilot flying the
     new list. horizon_m: how far ahead of the UAV the list reaches. slot_tolerance_m: shift of the
-    slot track that is worth a new list. capture_m: from the UAV to the first waypoint of a slot
+    slot track that is worth a new list at once, a quarter of it later. capture_m: from the UAV to the first waypoint of a slot
     track. loiter_radius_m: of the circle a list ends in, as flown. stale_s: age at which a
     position is no longer planned with. speed_range: speeds of the helicopter, relative to V, that
     the rules are used for; accel_range: decelerations likewise. speed_trim: share of V by which
@@ -44,7 +44,7 @@ class MissionParameters:
     speed_lead_s: float = 3.5
     reaction_s: float = 1.0
     horizon_m: float = 4000.0
-    slot_tolerance_m: float = 1.0
+    slot_tolerance_m: float = 4.0
     capture_m: float = 150.0
     loiter_radius_m: float = 100.0
     stale_s: float = 5.0
