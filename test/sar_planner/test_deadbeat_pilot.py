@@ -65,7 +65,7 @@ def test_off_the_slot_it_is_led_back(where):
     assert plan.mode is Mode.REJOIN
     assert listed.mode == "rejoin"
     assert listed.points[-2][1] == pytest.approx(-250.0)
-    assert listed.points[-1][1] == pytest.approx(-330.0)  # the loiter: apart, radius and all
+    assert listed.points[-1][1] == pytest.approx(-325.0)  # the loiter: apart, radius and all
     assert 18.0 - 1e-9 <= plan.speed_mps <= 22.0 + 1e-9
 
 
@@ -77,9 +77,9 @@ def test_corner_is_planned_committed_corrected_and_left():
     plan.set_helicopter(Motion(104.0, 60.0, 0.0, 10.0, 0.0))
     plan.set_corner(corner(100.0))
     listed = plan.update(104.0)
-    assert listed.mode == "D2"
+    assert listed.mode == "D4"
     assert plan.active.plan.lag_m == pytest.approx(0.0, abs=1e-6)
-    assert plan.active.plan.turn_start_m >= 110.0
+    assert plan.active.plan.turn_start_m >= 100.0
     path = plan.active.path
     # The UAV follows, 1.5 s behind its plan, into the first turn; the helicopter turns as foretold.
     corrected = None
@@ -99,7 +99,7 @@ def test_corner_is_planned_committed_corrected_and_left():
         corrected = plan.update(now) or corrected
     assert plan.active.committed
     assert plan.corrections > 0
-    assert corrected.mode == "D2"
+    assert corrected.mode == "D4"
 
 
 def test_new_leg_another_way_is_approached_too():

@@ -83,7 +83,7 @@ def test_leg_list_is_the_slot_track_on_the_inside(side):
     waypoints = plan.update(100.0)
     assert waypoints.mode == "leg"
     # The track, then the place of the loiter beside it.
-    assert waypoints.points[:, 1] == pytest.approx([-side * 250.0] * 2 + [-side * 330.0])
+    assert waypoints.points[:, 1] == pytest.approx([-side * 250.0] * 2 + [-side * 325.0])
     assert waypoints.points[0, 0] > -800.0
     assert plan.update(100.1) is None
     assert plan.lag_m() == pytest.approx(800.0)
@@ -97,6 +97,18 @@ def test_shifted_slot_track_is_listed_again():
     assert plan.update(101.0) is None
     plan.set_leg(replace(leg(102.0), foot=Pose(40.0, 8.0, 0.0)))
     assert plan.update(102.0).points[0, 1] == pytest.approx(-242.0)
+
+
+def test_a_small_shift_of_the_slot_track_is_listed_later():
+    plan = on_leg(0.0)
+    assert plan.update(100.0) is not None
+    for second in range(1, 20):
+        now = 100.0 + second
+        plan.set_uav(Motion(now, 20.0 * second, -250.0, 20.0, 0.0))
+        plan.set_helicopter(Motion(now, 20.0 * second, 0.0, 20.0, 0.0))
+        plan.set_leg(replace(leg(now), foot=Pose(20.0 * second, 2.0, 0.0)))
+        listed = plan.update(now)
+        assert (listed is not None) == (second == 11), second
 
 
 @pytest.mark.parametrize(
@@ -144,8 +156,8 @@ def test_corner_is_moved_until_the_uav_turns_and_then_left_alone():
         moved = listed or moved
     assert plan.active.committed
     assert moved.number > first.number
-    # It commits 1.5 s before the first arc.
-    assert plan.active.plan.turn_start_m - plan.active.flown_m(now) == pytest.approx(30.0, abs=3.0)
+    # It commits 1 s before the first arc.
+    assert plan.active.plan.turn_start_m - plan.active.flown_m(now) == pytest.approx(20.0, abs=3.0)
 
 
 def test_corner_ends_on_the_new_slot_track():

@@ -165,7 +165,9 @@ class Recapture:
         same = None
         if row is not None:
             batch = self._same_turns(row)
-            same = self._kept(batch, batch.lengths_m, wanted_m, least_m)
+            changed = np.abs(batch.rows[:, [1, 3]] - row[[1, 3]]).sum(axis=1)
+            costs = batch.lengths_m + self.turn_radius_m * changed
+            same = self._kept(batch, costs, wanted_m, least_m)
             if same is not None and same[1] >= wanted_m - LOYAL_M:
                 return same[0]
         batch = self._any_turns()
