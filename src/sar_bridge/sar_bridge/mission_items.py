@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_estimator.geodesy import Datum
+from sar_estimator.plane import wrap_angle
 from sar_estimator.states import Motion
 
 FloatArray = NDArray[np.float64]
 TURN_OFF_M = 40.0
+TIGHTEST_M = 50.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,11 +76,22 @@ def waypoint_items(points: FloatArray, datum: Datum, altitude_m: float) -> list[
     return [home, *items, loiter]
 
 
+def _turn_radius_m(uav: Motion, point: FloatArray) -> float:
+    """Return the radius of the arc that leads from the UAV's course to a point, 0 for one behind."""
+    dx, dy = float(point[0]) - uav.x_m, float(point[1]) - uav.y_m
+    away = math.hypot(dx, dy)
+    angle = wrap_angle(math.atan2(dy, dx) - uav.course_rad)
+    if abs(angle) >= math.pi / 2.0:
+        return 0.5 * away
+    return 0.5 * away / max(abs(math.sin(angle)), 1e-9)
+
+
 def first_ahead(points: FloatArray, uav: Motion | None, *, margin_m: float = 5.0) -> int:
     """Return the index of the first waypoint the UAV need not turn back for.
 
     A waypoint is passed when the UAV is beyond the line through it across the direction to the next
-    one, and flying that way; only waypoints passed from the beginning of the list are skipped.
+    one, and flying that way; or it lies inside the turn towards it, as close as ``TIGHTEST_M``
+    allows. Only waypoints from the beginning of the list are skipped.
     """
     if uav is None:
         return 0
@@ -93,6 +106,7 @@ def first_ahead(points: FloatArray, uav: Motion | None, *, margin_m: float = 5.0
         same_way = math.cos(uav.course_rad - course) > 0.5
         offset = points[i] - (uav.x_m, uav.y_m)
         near = abs(float(direction[0] * offset[1] - direction[1] * offset[0])) < 200.0
-        if not (beyond > -margin_m and same_way and near):
+        passed = beyond > -margin_m and same_way and near
+        if not passed and _turn_radius_m(uav, points[i]) >= TIGHTEST_M:
             return i
     return len(points) - 1

@@ -170,6 +170,16 @@ class DeadbeatPilot:
         assert uav is not None
         return frame.to_frame(uav.pose.offset(uav.speed_mps * (now_s - uav.time_s)))
 
+    def _ahead(self, frame: CornerFrame, now_s: float) -> Pose:
+        """Return where the UAV will be, in a frame, when a list made now is flown."""
+        approach = self.approach
+        if approach is None:
+            return self._uav_in(frame, now_s + self._mission.reaction_s)
+        run_m = approach.speed_mps * self._share * self._mission.reaction_s
+        here = self._uav_in(approach.frame, now_s)
+        ahead = _carried_on(approach, here, min(approach.flown_m + run_m, approach.path.length_m))
+        return frame.to_frame(approach.frame.pose_to_map(ahead))
+
     @property
     def _share(self) -> float:
         """What is made good of the UAV's speed on the path being flown; rejoining, all of it."""
@@ -420,14 +430,7 @@ class DeadbeatPilot:
         kept = old.cut(min(flown_m, old.length_m), from_m)
         begin = old.pose_at(from_m)
         if off_m >= OFF_PATH_M:
-            # From where it is, and as it points, it flies on as the old path does.
-            here = self._uav_in(approach.frame, now_s)
-            there = old.pose_at(flown_m)
-            moved = here.offset(
-                there.along(begin.x_m, begin.y_m), there.across(begin.x_m, begin.y_m)
-            )
-            turned = wrap_angle(begin.heading_rad - there.heading_rad)
-            begin = replace(moved, heading_rad=here.heading_rad + turned)
+            begin = _carried_on(approach, self._uav_in(approach.frame, now_s), from_m)
             kept = FlightPath(begin, ())
         in_map = approach.frame.pose_to_map(begin)
         start = frame.to_frame(in_map)
@@ -516,7 +519,7 @@ class DeadbeatPilot:
         v, trim = forecasts[0].speed_mps, self._mission.speed_trim
         wide, _, least = self._separations_m()
         task = RejoinTask(
-            self._uav_in(frame, start_s),
+            self._ahead(frame, now_s),
             start_s,
             tuple(forecast.in_frame(frame) for forecast in forecasts),
             self._corner.turn_radius_m,
@@ -561,6 +564,15 @@ class DeadbeatPilot:
         assert self.slot is not None
         points = self.lists.track(self.slot, self._s.uav)
         return None if points is None else (str(Mode.LEG), points)
+
+
+def _carried_on(approach: Approach, here: Pose, to_m: float) -> Pose:
+    """Return the pose of a UAV that flies from ``here`` as the path goes on, up to ``to_m`` [m]."""
+    there = approach.path.pose_at(min(approach.flown_m, approach.path.length_m))
+    begin = approach.path.pose_at(to_m)
+    moved = here.offset(there.along(begin.x_m, begin.y_m), there.across(begin.x_m, begin.y_m))
+    turned = wrap_angle(begin.heading_rad - there.heading_rad)
+    return replace(moved, heading_rad=wrap_angle(here.heading_rad + turned))
 
 
 def _strays(approach: Approach, frame: CornerFrame) -> bool:
