@@ -26,6 +26,7 @@ NEAR_M = 25.0
 GAP_M = 10.0
 AHEAD_M = 10.0
 FARTHEST_M = 120.0
+SHARPEST = math.cos(math.radians(75.0))
 FOREVER = -1.0
 
 
@@ -62,6 +63,7 @@ class MissionBanks:
         self._led_to: int | None = None
         self._filled = 0
         self._jump_at: int | None = None
+        self._entered: tuple[int, FloatArray] = (0, np.zeros(2))
 
     @staticmethod
     def _begin(bank: int) -> int:
@@ -129,18 +131,27 @@ class MissionBanks:
             if math.hypot(*(target - here)) < within_s * uav.speed_mps:
                 continue
             passing = target + self._beside(current, target, here)
-            entry = _entry(np.vstack((here, points)), target, passing)
+            course = target - self._leg_begin(kept, here)
+            entry = _entry(np.vstack((here, points)), target, passing, course)
             if entry is None:
                 break
             self._led_to, self._jump_at = self._filled, kept + 1
+            self._entered = (begin + entry, target)
             return Write(kept + 1, (jump_to(begin + entry),))
         self._led_to, self._jump_at = self._filled, None
         return MakeCurrent(begin + first_ahead(points, uav))
 
+    def _leg_begin(self, seq: int, here: FloatArray) -> FloatArray:
+        """Return where the leg to an item begins; here where that is not known."""
+        if seq == self._entered[0]:
+            return self._entered[1]
+        before = self._point(seq - 1)
+        return here if before is None else before
+
     def _beside(self, current: int, target: FloatArray, here: FloatArray) -> FloatArray:
         """Return how far beside a waypoint the UAV will pass it: as far as beside its leg now."""
-        begin, end = self._point(current - 1), self._point(current)
-        if begin is None or end is None or not (way := end - begin).any():
+        end = self._point(current)
+        if end is None or not (way := end - self._leg_begin(current, here)).any():
             return np.zeros_like(target)
         across = np.array((-way[1], way[0])) / math.hypot(*way)
         beside: FloatArray = float((here - end) @ across) * across
@@ -158,12 +169,15 @@ class MissionBanks:
         return MakeCurrent(self._begin(led_to) + first_ahead(self._points[led_to], uav))
 
 
-def _entry(line: FloatArray, target: FloatArray, passing: FloatArray) -> int | None:
+def _entry(
+    line: FloatArray, target: FloatArray, passing: FloatArray, course: FloatArray
+) -> int | None:
     """Return which point of a list, behind the UAV's position in ``line``, comes after ``target``.
 
     None where the list does not lead past it. ``passing``: where the UAV will be when it passes the
-    target. A point whose leg from the target would be over by then is left out: ArduPlane would
-    begin that leg where the UAV is, and turn back for the point.
+    target, ``course``: a vector along its way there. A point whose leg from the target would be
+    over by then is left out: ArduPlane would begin that leg where the UAV is, and turn back for the
+    point. So is one that lies too far aside.
     """
     begin, way = line[:-1], np.diff(line, axis=0)
     lengths = np.maximum(np.hypot(way[:, 0], way[:, 1]), 1e-9)
@@ -180,7 +194,8 @@ def _entry(line: FloatArray, target: FloatArray, passing: FloatArray) -> int | N
     at = stations[leg] + share[leg] * lengths[leg]
     legs = line[1:] - target
     left_m = ((line[1:] - passing) * legs).sum(axis=1) / np.maximum(np.hypot(*legs.T), 1e-9)
-    after = np.flatnonzero((stations[1:] > at + GAP_M) & (left_m > AHEAD_M))
+    onward = legs @ course >= SHARPEST * np.hypot(*legs.T) * np.hypot(*course)
+    after = np.flatnonzero((stations[1:] > at + GAP_M) & (left_m > AHEAD_M) & onward)
     if after.size == 0 or stations[1 + after[0]] > at + FARTHEST_M:
         return None
     return int(after[0])

@@ -37,7 +37,7 @@ LOYAL_M = 5.0
 TRIED = 240
 TWO_PI = 2.0 * math.pi
 DETOUR_COST = 0.1
-LONGEST_TURN_RAD = 1.75 * math.pi
+LONGEST_TURN_RAD = 1.4 * math.pi
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,11 @@ def final_lag_m(path: FlightPath, forecast: Forecast, *, start_s: float, speed_m
     """Return the lag on the slot [m] after a path begun at ``start_s``, at equal speeds then."""
     arrival_s = start_s + path.length_m / speed_mps
     return forecast.slot_x_m(arrival_s) - path.end.x_m
+
+
+def _no_circles(batch: PathBatch) -> PathBatch:
+    """Return the paths without a last turn that nearly comes back to where it began."""
+    return batch.take(np.abs(batch.rows[:, 5]) <= LONGEST_TURN_RAD)
 
 
 def _near(turn_rad: float) -> FloatArray:
@@ -196,8 +201,8 @@ class Recapture:
         for pair in PAIRS:
             for side in sides:
                 batch = problem.solve(turn_1, turn_2, side, self._detour_m, straights=pair)
-                batches.append(batch.take(np.abs(batch.rows[:, 5]) <= LONGEST_TURN_RAD))
-        return PathBatch.join(batches)
+                batches.append(batch)
+        return _no_circles(PathBatch.join(batches))
 
     def _any_turns(self) -> PathBatch:
         """Return the paths of any two headings that end without lag."""
@@ -212,7 +217,7 @@ class Recapture:
                 batches += [
                     problem.solve(turn_1[short], turn_2[short], third, detour) for third in SIDES
                 ]
-        return PathBatch.join(batches)
+        return _no_circles(PathBatch.join(batches))
 
     def _any_lag(self) -> PathBatch:
         """Return paths of one heading, and of one that overshoots the slot track, any lag."""
