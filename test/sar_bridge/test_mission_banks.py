@@ -102,3 +102,33 @@ def test_long_lists_are_missions_of_their_own(count):
     assert not banks.takes(long)
     banks.forget()
     assert not banks.takes(LINE)
+
+
+def test_a_point_whose_leg_would_be_over_is_not_entered():
+    """The list bends away beside the target: ArduPlane would turn back for its next point."""
+    banks, _ = begun()
+    bend = np.array([[104.0, 0.0], [95.0, -13.0], [120.0, -60.0], [160.0, -140.0]])
+    begin = banks.fill(bend, DATUM, 2).start
+    # Flying from (100, 0) to (200, 0) would be too far on; from here to (100, 0) it is.
+    step = banks.join(1, Motion(0.0, 40.0, 0.0, 20.0, 0.0), within_s=1.0)
+    assert isinstance(step, Write)
+    assert step.items[0].params[0] == begin + 2
+
+
+def test_a_list_that_turns_off_sharply_is_made_current():
+    banks, _ = begun()
+    aside = np.column_stack((np.full(9, 101.0), np.arange(0.0, 900.0, 100.0)))
+    begin = banks.fill(aside, DATUM, 1).start
+    step = banks.join(1, Motion(0.0, 40.0, 0.0, 20.0, 0.0), within_s=1.0)
+    assert step == MakeCurrent(begin)
+
+
+def test_a_leg_entered_by_a_jump_begins_where_it_was_entered_from():
+    banks, _ = begun()
+    turned = np.column_stack((np.arange(130.0, 1000.0, 100.0), np.linspace(0.0, 80.0, 9)))
+    begin = banks.fill(turned, DATUM, 1).start
+    banks.join(1, HERE, within_s=1.0)
+    # 25 m to the left of the leg (100, 0) -> (130, 0): as far beside it the point is passed.
+    banks.fill(turned + np.array((30.0, 0.0)), DATUM, begin)
+    beside = banks._beside(begin, turned[0], np.array((90.0, 25.0)))
+    assert beside == pytest.approx((0.0, 25.0))

@@ -39,3 +39,11 @@ def test_first_waypoint_that_needs_no_turning_back(motion, expected):
 
 def test_doubled_waypoints_are_no_trouble():
     assert first_ahead(np.array([[0.0, 0.0], [0.0, 0.0]]), Motion(0, 50.0, 0.0, 20.0, 0.0)) == 1
+
+
+def test_a_point_inside_the_turn_towards_it_is_skipped():
+    flying = Motion(0.0, 0.0, 0.0, 20.0, 0.0)
+    near = np.array([[20.0, 25.0], [40.0, 60.0], [60.0, 150.0], [60.0, 1000.0]])
+    assert first_ahead(near, flying) == 2
+    behind = np.array([[-40.0, 5.0], [-300.0, 5.0], [-900.0, 5.0]])
+    assert first_ahead(behind, flying) == 1

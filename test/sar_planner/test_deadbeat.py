@@ -128,11 +128,19 @@ def test_domains_partition_the_line_and_transitions_follow():
 
 def test_graph_is_printed():
     text = AUTOMATON.describe()
-    for word in ("D1 cut corner", "D2 adjustable curve", "D4 weave", "D1 -> D4", "one corner leaves"):
+    for word in (
+        "D1 cut corner",
+        "D2 adjustable curve",
+        "D4 weave",
+        "D1 -> D4",
+        "one corner leaves",
+    ):
         assert word in text
 
 
-@pytest.mark.parametrize(("rule", "lag"), [(Rule.D1, 300.0), (Rule.D2, 0.0), (Rule.D3, -200.0), (Rule.D4, 0.0)])
+@pytest.mark.parametrize(
+    ("rule", "lag"), [(Rule.D1, 300.0), (Rule.D2, 0.0), (Rule.D3, -200.0), (Rule.D4, 0.0)]
+)
 def test_a_rule_can_be_forced(rule, lag):
     assert AUTOMATON.plan(lag, only=rule).rule is rule
 
@@ -158,7 +166,9 @@ def test_a_weave_sees_what_a_late_curve_leaves_out():
     assert rules.unseen_m2(woven).min() < 0.3 * rules.unseen_m2(late).min()
 
 
-@pytest.mark.parametrize(("lead", "separation", "most_m2"), [(110, 200, 9e3), (110, 230, 27e3), (90, 230, 9e3)])
+@pytest.mark.parametrize(
+    ("lead", "separation", "most_m2"), [(110, 200, 9e3), (110, 230, 27e3), (90, 230, 9e3)]
+)
 def test_what_a_corner_leaves_unseen(lead, separation, most_m2):
     """Against an area by shapely, of both aircraft and the ideal strips."""
     plan = DeadbeatRules(P).plan(0.0, lead_m=float(lead), separation_m=float(separation))

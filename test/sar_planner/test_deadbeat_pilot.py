@@ -208,9 +208,7 @@ def test_a_path_that_ends_beside_the_slot_is_left_when_it_has_been_flown():
     plan = on_leg(0.0, beside=-300.0)
     assert plan.update(100.0).mode == "rejoin"
     end = plan._pilot.approach.frame.pose_to_map(plan._pilot.approach.path.end)
-    plan._pilot.approach = replace(
-        plan._pilot.approach, flown_m=plan._pilot.approach.path.length_m
-    )
+    plan._pilot.approach = replace(plan._pilot.approach, flown_m=plan._pilot.approach.path.length_m)
     done_s = 100.0 + plan._pilot.approach.path.length_m / plan._pilot.approach.speed_mps
     plan.set_uav(Motion(done_s, end.x_m, end.y_m, 20.0, 0.0))
     plan.set_leg(leg(done_s, x=80.0, y=-3000.0, heading=-math.pi / 2.0))

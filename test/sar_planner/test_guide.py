@@ -66,3 +66,21 @@ def test_slow_ground_speed_needs_less_offset():
 
 def test_longest_period():
     assert L1Tuning(15.0).longest_period_s(100.0, 20.0) == pytest.approx(17.77, abs=0.01)
+
+
+@pytest.mark.parametrize("spacing", [8.0, 15.0, 30.0])
+def test_no_leg_is_over_before_it_begins(spacing):
+    """Flown on the path, every leg still has its finish line ahead when the one before it ends."""
+    snake = path(Arc(100.0, 0.6), Arc(100.0, -1.2), Straight(200.0))
+    guide = make_guide(snake, TUNING, 20.0, offset_m=-45.0)
+    begin = snake.pose_at(0.0).offset(0.0, -45.0)
+    last, at = np.array((begin.x_m, begin.y_m)), 0.0
+    points = guide.waypoints(spacing)
+    assert len(points) > 5
+    for point in points[:-1]:
+        way = (point - last) / np.hypot(*(point - last))
+        stations = np.arange(at, snake.length_m, 1.0)
+        left = (point - snake.points(stations)) @ way
+        assert left[0] > 8.0
+        at = float(stations[np.argmax(left <= 0.0)])
+        last = point

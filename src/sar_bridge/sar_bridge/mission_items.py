@@ -77,7 +77,7 @@ def waypoint_items(points: FloatArray, datum: Datum, altitude_m: float) -> list[
 
 
 def _turn_radius_m(uav: Motion, point: FloatArray) -> float:
-    """Return the radius of the arc that leads from the UAV's course to a point, 0 for one behind."""
+    """Return the radius of the arc from the UAV's course to a point; half the way to one behind."""
     dx, dy = float(point[0]) - uav.x_m, float(point[1]) - uav.y_m
     away = math.hypot(dx, dy)
     angle = wrap_angle(math.atan2(dy, dx) - uav.course_rad)

@@ -139,7 +139,8 @@ class CaptureProblem:
     """From ``start``, in the slot's frame (track on y = 0, direction +x), onto the slot track.
 
     ``slow_factor``: kappa = V / speed of the UAV along its path. ``last_turn_rad``: the last arc, 0
-    for none, one for all paths or one for each. ``lead_factor``: kappa on the first straight where it is another one.
+    for none, one for all paths or one for each. ``lead_factor``: kappa on the first straight where
+    it is another one.
     """
 
     start: Pose

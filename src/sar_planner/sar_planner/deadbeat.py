@@ -116,7 +116,7 @@ class DeadbeatRules:
         return self._short(batch, lead_m)
 
     def weaves(self, problem: CaptureProblem, lead_m: float, headings: FloatArray) -> PathBatch:
-        """Return the weaves with L(k+1) = 0; ``headings``: alpha, beta, delta [rad], shape (n, 3)."""
+        """Return the weaves with L(k+1) = 0 of headings alpha, beta, delta [rad], shape (n, 3)."""
         alpha, beta, delta = headings.T
         # The left turn gamma leads on from where the others do, or there is none.
         possible = alpha + beta + delta >= HALF_PI

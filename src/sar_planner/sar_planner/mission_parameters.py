@@ -23,16 +23,17 @@ class MissionParameters:
     over a coordinated turn's. roll_lag_s: from its demand to the bank. speed_lead_s: how far ahead
     of the UAV the airspeed is chosen for. reaction_s: from a decision to the autopilot flying the
     new list. horizon_m: how far ahead of the UAV the list reaches. slot_tolerance_m: shift of the
-    slot track that is worth a new list at once, a quarter of it later. capture_m: from the UAV to the first waypoint of a slot
-    track. loiter_radius_m: of the circle a list ends in, as flown. stale_s: age at which a
-    position is no longer planned with. speed_range: speeds of the helicopter, relative to V, that
-    the rules are used for; accel_range: decelerations likewise. speed_trim: share of V by which
-    the UAV may be asked to fly faster or slower (deadbeat rules). trim_gain: speed asked for per
-    metre of lag [1/s]. lag_tolerance_m: predicted lag at the end of a path that is worth a
-    correction, and far_tolerance: at least this share of what is left of it. correction_s: least
-    time between two corrections. ahead_m: how far ahead of its slot the UAV may be on a leg before
-    it is led back to it. separation_margin_m: planned beyond the least separation where that costs
-    nothing. bias_gain: share of the newest corner's extra path in what is expected of the next.
+    slot track that is worth a new list at once, a quarter of it later. capture_m: from the UAV to
+    the first waypoint of a slot track. loiter_radius_m: of the circle a list ends in, as flown.
+    stale_s: age at which a position is no longer planned with. speed_range: speeds of the
+    helicopter, relative to V, that the rules are used for; accel_range: decelerations likewise.
+    speed_trim: share of V by which the UAV may be asked to fly faster or slower (deadbeat rules).
+    trim_gain: speed asked for per metre of lag [1/s]. lag_tolerance_m: predicted lag at the end of
+    a path that is worth a correction, and far_tolerance: at least this share of what is left of it.
+    correction_s: least time between two corrections. ahead_m: how far ahead of its slot the UAV may
+    be on a leg before it is led back to it. separation_margin_m: planned beyond the least
+    separation where that costs nothing. bias_gain: share of the newest corner's extra path in what
+    is expected of the next.
     """
 
     turn_side: int = 1

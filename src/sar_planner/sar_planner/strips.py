@@ -1,7 +1,8 @@
 """How much of the UAV's two strips about a corner a path leaves unseen.
 
-In the frame of the new slot track (x along it, the corner's own slot at (d, 0)): the old strip comes
-up along x = d, the new one leads away along y = 0, each d wide. A disc of d / 2 about the UAV sees.
+In the frame of the new slot track (x along it, the slot tracks cross at (d, 0)): the old strip
+comes up along x = d, the new one leads away along y = 0, each d wide. A disc of d / 2 about the UAV
+sees.
 """
 
 from __future__ import annotations

@@ -80,8 +80,8 @@ def ideal_tracks(
 
     ``corners_xy``: the helicopter's start, corners and end. The UAV flies ``spacing_m`` inside; its
     corners are where its legs' lines cross. (A library's offset curve falls apart here: in an
-    expanding square the UAV's strips of two rounds lie side by side.) Points that are the same count
-    once; two or more are needed.
+    expanding square the UAV's strips of two rounds lie side by side.) Points that are the
+    same count once; two or more are needed.
     """
     line = np.asarray(corners_xy, dtype=np.float64)
     ways = np.diff(line, axis=0)
