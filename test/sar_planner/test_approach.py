@@ -95,3 +95,18 @@ def test_turns_are_about_kept_where_they_do():
     assert row_of(again)[[1, 3]] == pytest.approx(row_of(path)[[1, 3]], abs=math.radians(8.1))
     lag = final_lag_m(path, forecast, start_s=10.0, speed_mps=20.0)
     assert lag == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_uav_beside_its_path_is_carried_on_as_the_path_goes():
+    path = FlightPath.of(Pose(0.0, 0.0, 0.0), (Straight(100.0), Arc(100.0, math.pi / 2)))
+    frame = CornerFrame(Pose(0.0, 0.0, 0.0), 1)
+    approach = Approach(frame, path, 0.0, 20.0, flown_m=90.0)
+    exact = approach.carried_on(path.pose_at(90.0), 150.0)
+    there = path.pose_at(150.0)
+    assert (exact.x_m, exact.y_m) == pytest.approx((there.x_m, there.y_m))
+    beside = approach.carried_on(Pose(90.0, 5.0, 0.2), 150.0)
+    assert beside.heading_rad == pytest.approx(there.heading_rad + 0.2)
+    far = math.hypot(there.x_m - 90.0, there.y_m)
+    assert math.hypot(beside.x_m - 90.0, beside.y_m - 5.0) == pytest.approx(far)
+    end = approach.carried_on(path.pose_at(90.0), 1e6)
+    assert (end.x_m, end.y_m) == pytest.approx((path.end.x_m, path.end.y_m))

@@ -184,3 +184,12 @@ def test_what_a_corner_leaves_unseen(lead, separation, most_m2):
     row = row_of(rules._frame.path_from_map(plan.path))
     batch = PathBatch(rules.problem(0.0).start, P.turn_radius_m, row[None, :])
     assert rules.unseen_m2(batch)[0] == pytest.approx(unseen, rel=0.15, abs=1500.0)
+
+
+def test_a_uav_that_makes_little_good_needs_a_lag_to_take_out():
+    sloppy = DeadbeatRules(P, made_good=0.7)
+    least = sloppy.least_lag_m(lead_m=100.0, separation_m=200.0)
+    assert 100.0 < least < 300.0
+    assert abs(sloppy.plan(least, lead_m=100.0, separation_m=200.0).next_lag_m) <= 0.5
+    assert sloppy.plan(0.0, lead_m=100.0, separation_m=200.0).next_lag_m > 500.0
+    assert DeadbeatRules(P).least_lag_m(lead_m=100.0, separation_m=200.0) == 0.0

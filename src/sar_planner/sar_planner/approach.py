@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sar_estimator.plane import Pose
+from sar_estimator.plane import Pose, wrap_angle
 from sar_planner.captures import (
     COLUMNS,
     STRAIGHT_P,
@@ -61,6 +61,15 @@ class Approach:
         low, high = self.flown_m - BACK_M, self.flown_m + AHEAD_FACTOR * moved_m + BACK_M
         at = self.path.nearest_m(uav.x_m, uav.y_m, max(0.0, low), high)
         return replace(self, flown_m=max(0.0, at))
+
+    def carried_on(self, uav: Pose, to_m: float) -> Pose:
+        """Return the pose of a UAV that flies on from ``uav`` as the path does, to ``to_m`` [m]."""
+        there, then = (
+            self.path.pose_at(min(at, self.path.length_m)) for at in (self.flown_m, to_m)
+        )
+        moved = uav.offset(there.along(then.x_m, then.y_m), there.across(then.x_m, then.y_m))
+        turned = then.heading_rad - there.heading_rad
+        return replace(moved, heading_rad=wrap_angle(uav.heading_rad + turned))
 
 
 def total_turn_rad(path: FlightPath) -> float:

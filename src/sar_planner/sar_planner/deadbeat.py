@@ -44,6 +44,7 @@ WEAVES_ABOUT_RAD = np.radians(
     np.stack(np.meshgrid((-5, 0, 5), (-7, 0, 7), (-5, 0, 5), indexing="ij"), axis=-1).reshape(-1, 3)
 )
 WOVEN = 12
+LAG_STEP, LAG_STEPS = 0.1, 24
 SEEN = 0.03
 CONVERGED_M = 0.5
 MAX_STRAIGHT_SPACINGS = 2.4
@@ -237,6 +238,22 @@ class DeadbeatRules:
         if rule is Rule.D3:
             path = self._finer_loop(problem, path, lead_m, separation_m)
         return self._corner_plan(rule, lag_m, path)
+
+    def least_lag_m(self, *, lead_m: float, separation_m: float) -> float:
+        """Return the least lag, 0 or more, that one corner takes out; 0 where none is found.
+
+        A UAV that makes good little of its speed cannot take any out from L = 0: it is then on the
+        far side of the helicopter's new leg, and has no time to come back across it.
+        """
+        step = LAG_STEP * self.parameters.spacing_m
+        for count in range(LAG_STEPS):
+            try:
+                plan = self.plan(count * step, lead_m=lead_m, separation_m=separation_m)
+            except NoPathError:
+                continue
+            if abs(plan.next_lag_m) <= CONVERGED_M:
+                return count * step
+        return 0.0
 
     def _worth_comparing(self, batch: PathBatch, separation_m: float) -> PathBatch:
         """Return some paths that keep the separation, in order of length.

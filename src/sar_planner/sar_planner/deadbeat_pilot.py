@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sar_estimator.plane import Pose, wrap_angle
+from sar_estimator.plane import Pose
 from sar_estimator.states import CornerEstimate, LegEstimate, Phase
 from sar_planner.approach import Approach, Recapture, final_lag_m, row_of, total_turn_rad
 from sar_planner.deadbeat import CONVERGED_M, DeadbeatRules
@@ -46,6 +46,8 @@ CORRECTED_SHARE = 0.5
 WIDER_M = 5.0
 LONGER_SPACINGS = 1.0
 LATE_FACTOR = 2.5
+POOR_SHARE = 0.85
+DETECTION_S = 4.0
 RETRY_S = 2.0
 
 
@@ -67,6 +69,7 @@ class DeadbeatPilot:
         self.speed_mps: float | None = None
         self.slot: Pose | None = None
         self.corrections = 0
+        self.kept_lag_m = 0.0
         self._unsafe = ""
         self._corner_note = ""
         self._holding = False
@@ -177,7 +180,7 @@ class DeadbeatPilot:
             return self._uav_in(frame, now_s + self._mission.reaction_s)
         run_m = approach.speed_mps * self._share * self._mission.reaction_s
         here = self._uav_in(approach.frame, now_s)
-        ahead = _carried_on(approach, here, min(approach.flown_m + run_m, approach.path.length_m))
+        ahead = approach.carried_on(here, approach.flown_m + run_m)
         return frame.to_frame(approach.frame.pose_to_map(ahead))
 
     @property
@@ -347,9 +350,19 @@ class DeadbeatPilot:
             self._done_corner = self.active.k
             if self.active.committed:
                 self.good.learn()
+                self._hold_back()
         self.active = self.approach = None
         self._unsafe = ""
         self.lists.forget()
+
+    def _hold_back(self) -> None:
+        """Keep a lag on legs where the UAV makes so little good that it will need one."""
+        self.kept_lag_m = 0.0
+        if self.good.share < POOR_SHARE:
+            lead_m = self._corner.speed_mps * (DETECTION_S + self._mission.reaction_s)
+            rules = DeadbeatRules(self._corner, made_good=self.good.share)
+            separation = self._corner.separation_m
+            self.kept_lag_m = rules.least_lag_m(lead_m=lead_m, separation_m=separation)
 
     # Approaches --------------------------------------------------------------------------------
 
@@ -430,7 +443,7 @@ class DeadbeatPilot:
         kept = old.cut(min(flown_m, old.length_m), from_m)
         begin = old.pose_at(from_m)
         if off_m >= OFF_PATH_M:
-            begin = _carried_on(approach, self._uav_in(approach.frame, now_s), from_m)
+            begin = approach.carried_on(self._uav_in(approach.frame, now_s), from_m)
             kept = FlightPath(begin, ())
         in_map = approach.frame.pose_to_map(begin)
         start = frame.to_frame(in_map)
@@ -558,21 +571,15 @@ class DeadbeatPilot:
         if not on_slot:
             return None
         self.speed_mps = trimmed_mps(
-            lag, forecast.speed_mps, gain=self._mission.trim_gain, trim=self._mission.speed_trim
+            lag - self.kept_lag_m,
+            forecast.speed_mps,
+            gain=self._mission.trim_gain,
+            trim=self._mission.speed_trim,
         )
         assert self._s.uav is not None
         assert self.slot is not None
         points = self.lists.track(self.slot, self._s.uav)
         return None if points is None else (str(Mode.LEG), points)
-
-
-def _carried_on(approach: Approach, here: Pose, to_m: float) -> Pose:
-    """Return the pose of a UAV that flies from ``here`` as the path goes on, up to ``to_m`` [m]."""
-    there = approach.path.pose_at(min(approach.flown_m, approach.path.length_m))
-    begin = approach.path.pose_at(to_m)
-    moved = here.offset(there.along(begin.x_m, begin.y_m), there.across(begin.x_m, begin.y_m))
-    turned = wrap_angle(begin.heading_rad - there.heading_rad)
-    return replace(moved, heading_rad=wrap_angle(here.heading_rad + turned))
 
 
 def _strays(approach: Approach, frame: CornerFrame) -> bool:

@@ -188,6 +188,7 @@ def planner_diagnostics(planner: MissionPlanner, time_s: float) -> DiagnosticArr
             "autopilot": planner.vehicle.warning(),
             "corrections": planner.corrections,
             "made_good": f"{planner.made_good:.2f}",
+            "kept_lag_m": f"{planner.kept_lag_m:.0f}",
             "lists": 0 if planner.list is None else planner.list.number,
         },
     )

@@ -227,6 +227,11 @@ class MissionPlanner:
         return self._pilot.made_good
 
     @property
+    def kept_lag_m(self) -> float:
+        """The lag kept on legs for a UAV that makes little of its speed good [m], else 0."""
+        return self._pilot.kept_lag_m
+
+    @property
     def corrections(self) -> int:
         """How often a path was corrected after it was begun."""
         return self._pilot.corrections

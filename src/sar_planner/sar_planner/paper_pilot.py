@@ -33,6 +33,7 @@ class PaperPilot:
     course_rad = 0.0
     corrections = 0
     made_good = 1.0
+    kept_lag_m = 0.0
 
     def __init__(
         self, situation: Situation, corner: CornerParameters, mission: MissionParameters
