@@ -137,6 +137,8 @@ def test_the_graphs_clock_is_the_autopilots(launch):
         vehicle.running = False
         vehicle.join(timeout=5.0)
     assert (code, errors) == (0, "")
+    assert (flight.out / "report.html").exists()
+    assert not list(read_messages(flight.out / "bag", {topics.TRUE_UAV}))
     autopilots, recordings = times_by_autopilot(flight.out / "bag").T
     begun = recordings > recordings[0]  # the clock stands until the graph is complete
     autopilots, recordings = autopilots[begun], recordings[begun]

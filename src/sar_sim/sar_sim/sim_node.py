@@ -94,9 +94,7 @@ class SimNode(Node):
         self._corners = list(self._world.corners)
         self._engage = self.create_client(Trigger, topics.ENGAGE)
         self._asked: rclpy.Future | None = None
-        self._asked_at = 0.0
-        self._engaged = False
-        self._steps = 0
+        self._asked_at, self._engaged, self._steps = 0.0, False, 0
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self)
 
@@ -212,7 +210,8 @@ class SimNode(Node):
             self._link.report(self._world.time_s)
 
     def _publish_truth(self) -> None:
-        for topic, message in self._world.truth(self._ros_time()):
+        simulated = self._link is not None
+        for topic, message in self._world.truth(self._ros_time(), uav=simulated):
             sender = self._true_uav if topic == topics.TRUE_UAV else self._true_helicopter
             sender.publish(message)
 

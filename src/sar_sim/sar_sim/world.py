@@ -113,11 +113,13 @@ class World:
     def _stamp(self, fix: Fix) -> float:
         return fix.time_s + self.epoch_s if self.helicopter is not None else fix.time_s
 
-    def truth(self, ros_time_s: float) -> list[tuple[str, Odometry]]:
-        """Return the true motions as topics and messages."""
-        uav = replace(self.autopilot.motion, time_s=ros_time_s)
-        yaw = self.autopilot.state.heading_rad
-        found = [(topics.TRUE_UAV, motion_to_odometry(uav, child="uav", yaw_rad=yaw))]
+    def truth(self, ros_time_s: float, *, uav: bool = True) -> list[tuple[str, Odometry]]:
+        """Return the true motions as topics and messages; ``uav``: whether its one is flown."""
+        found = []
+        if uav:
+            flown = replace(self.autopilot.motion, time_s=ros_time_s)
+            yaw = self.autopilot.state.heading_rad
+            found.append((topics.TRUE_UAV, motion_to_odometry(flown, child="uav", yaw_rad=yaw)))
         if self.helicopter is not None:
             motion = replace(self.helicopter.motion(self.time_s), time_s=ros_time_s)
             yaw = self.helicopter.heading_rad(self.time_s)
