@@ -96,19 +96,22 @@ class PathBatch:
         x, y, heading = self._joints
         flown = np.broadcast_to(distances_m, (len(self.rows), distances_m.shape[-1]))
         ends = np.cumsum(self._parts_m, axis=1)
-        part = (flown[:, :, None] >= ends[:, None, :]).sum(axis=2)
-        begins = np.concatenate((np.zeros((len(self.rows), 1)), ends), axis=1)
-        path = np.arange(len(self.rows))[:, None]
-        curvature = np.zeros((len(self.rows), COLUMNS + 1))
+        # Which part every point is on, as an index into the flattened joints.
+        at = np.broadcast_to(np.arange(len(self.rows))[:, None] * (COLUMNS + 1), flown.shape).copy()
+        for column in range(COLUMNS):
+            at += flown >= ends[:, column : column + 1]
+        begins = np.zeros_like(x)
+        begins[:, 1:] = ends
+        curvature = np.zeros_like(x)
         curvature[:, TURNS] = np.sign(self.rows[:, TURNS]) / self.radius_m
-        over = flown - begins[path, part]
-        half_turn = 0.5 * curvature[path, part] * over
+        over = flown - begins.take(at)
+        half_turn = 0.5 * curvature.take(at) * over
         chord = over * np.sinc(half_turn / math.pi)
-        course = heading[path, part] + half_turn
-        return np.stack(
-            (x[path, part] + chord * np.cos(course), y[path, part] + chord * np.sin(course)),
-            axis=2,
-        )
+        course = heading.take(at) + half_turn
+        points = np.empty((*flown.shape, 2))
+        points[:, :, 0] = x.take(at) + chord * np.cos(course)
+        points[:, :, 1] = y.take(at) + chord * np.sin(course)
+        return points
 
     def path(self, index: int) -> FlightPath:
         """Return one path."""

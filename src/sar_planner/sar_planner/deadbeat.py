@@ -43,9 +43,9 @@ WEAVES_RAD = np.stack(
 WEAVES_ABOUT_RAD = np.radians(
     np.stack(np.meshgrid((-5, 0, 5), (-7, 0, 7), (-5, 0, 5), indexing="ij"), axis=-1).reshape(-1, 3)
 )
-WOVEN = 12
+WOVEN = 8
 LAG_STEP, LAG_STEPS = 0.1, 24
-SEEN = 0.03
+SEEN = 0.04
 CONVERGED_M = 0.5
 MAX_STRAIGHT_SPACINGS = 2.4
 MAX_STRAIGHT_SHARE = 2.6
