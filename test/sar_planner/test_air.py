@@ -18,7 +18,7 @@ def test_airspeed_and_ground_speed_belong_together(course, wx, wy):
     across = wy * math.cos(course) - wx * math.sin(course)
     along = wx * math.cos(course) + wy * math.sin(course)
     if along < 19.0 and abs(across) < airspeed - 0.1:
-        assert fixed.ground_speed_mps(course, 20.0) == pytest.approx(20.0, abs=1e-6)
+        assert fixed.ground_speeds_mps(np.array([course]), 20.0) == pytest.approx(20.0, abs=1e-6)
 
 
 def test_envelope_limits_what_is_made_good():
@@ -30,7 +30,7 @@ def test_envelope_limits_what_is_made_good():
 
 
 def test_wind_stronger_than_the_uav_makes_nothing_good():
-    assert AirEnvelope(10.0, 10.0, (0.0, 12.0)).ground_speed_mps(0.0, 20.0) == 0.0
+    assert AirEnvelope(10.0, 10.0, (0.0, 12.0)).ground_speeds_mps(np.zeros(1), 20.0)[0] == 0.0
 
 
 def test_a_ground_speed_out_of_reach_is_told():

@@ -26,15 +26,13 @@ OLDER = {old: (name, factor) for name, (old, factor) in NAMES.items()}
 class ParameterReader:
     """Asks for each parameter until it is told, or ``TRIES`` times. Pure; times in seconds.
 
-    ``values``: what is known, under the newer names and in their units. ``changes``: how often
-    something new was told.
+    ``values``: what is known, under the newer names and in their units.
     """
 
     def __init__(self, target: Address) -> None:
         """Read from ``target``."""
         self.target = target
         self.values: dict[str, float] = {}
-        self.changes = 0
         self._asked_s = float("-inf")
         self._tries = 0
 
@@ -56,9 +54,8 @@ class ParameterReader:
         if name not in NAMES and name in OLDER:
             name, factor = OLDER[name]
         value = message.param_value * factor
-        if name in NAMES and self.values.get(name) != value:
+        if name in NAMES:
             self.values[name] = value
-            self.changes += 1
 
     def tick(self, now_s: float) -> list[mavlink.MAVLink_message]:
         """Return the requests that are due."""

@@ -55,7 +55,3 @@ class AirEnvelope:
         ahead = np.sqrt(np.maximum(airspeed**2 - across**2, 0.0))
         made_good = np.where(np.abs(across) < airspeed, np.maximum(along + ahead, 0.0), 0.0)
         return np.where(airspeed == needed, wanted_mps, made_good)
-
-    def ground_speed_mps(self, course_rad: float, wanted_mps: float) -> float:
-        """Return the ground speed [m/s] made good on one course."""
-        return float(self.ground_speeds_mps(np.array([course_rad]), wanted_mps)[0])

@@ -11,17 +11,28 @@ from dataclasses import replace
 import numpy as np
 
 from sar_planner.deadbeat import DeadbeatRules
+from sar_planner.guide import L1Tuning
+from sar_planner.lists import WaypointLists
+from sar_planner.mission_parameters import MissionParameters
 from sar_planner.parameters import CornerParameters
-from sar_planner.waypoints import path_waypoints
+
+LISTS = {"waypoints on the path": None, "waypoints on an L1 guide": L1Tuning(15.0)}
 
 
-def replan(lag_m: float, lead_m: float, speed_mps: float, accel_mps2: float) -> int:
-    """Choose the rule, check the separation, make the list; return how many waypoints."""
+def replan(
+    lag_m: float, lead_m: float, speed_mps: float, accel_mps2: float, tuning: L1Tuning | None = None
+) -> int:
+    """Choose the rule, check the separation, make the list; return how many waypoints.
+
+    ``tuning``: of the autopilot that the list is for, None for one that flies a polygon.
+    """
     nominal = CornerParameters()
     parameters = replace(nominal, speed_mps=speed_mps, accel_mps2=accel_mps2)
     rules = DeadbeatRules(parameters)
     plan = rules.plan(lag_m, lead_m=lead_m, separation_m=nominal.separation_m)
-    return len(path_waypoints(plan.path, 20.0))
+    lists = WaypointLists(nominal, MissionParameters())
+    lists.tuning = tuning
+    return len(lists.along(plan.path, speed_mps))
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -39,19 +50,20 @@ def main(argv: list[str] | None = None) -> int:
             rng.uniform(2.0, 3.0, args.count),
         )
     )
-    replan(0.0, 0.0, 20.0, 2.5)
-    times_ms = []
-    for lag, lead, speed, accel in draws:
-        begun = time.perf_counter()
-        # To find that there is no path takes as long, and counts.
-        with contextlib.suppress(ValueError):
-            replan(lag, lead, speed, accel)
-        times_ms.append(1e3 * (time.perf_counter() - begun))
-    sys.stdout.write(
-        f"{args.count} replans, L from {args.lags[0]:g} to {args.lags[1]:g} m: "
-        f"median {np.median(times_ms):.2f} ms, p99 {np.percentile(times_ms, 99):.2f} ms, "
-        f"max {max(times_ms):.2f} ms\n"
-    )
+    for name, tuning in LISTS.items():
+        replan(0.0, 0.0, 20.0, 2.5, tuning)
+        times_ms = []
+        for lag, lead, speed, accel in draws:
+            begun = time.perf_counter()
+            # To find that there is no path takes as long, and counts.
+            with contextlib.suppress(ValueError):
+                replan(lag, lead, speed, accel, tuning)
+            times_ms.append(1e3 * (time.perf_counter() - begun))
+        sys.stdout.write(
+            f"{args.count} replans, L from {args.lags[0]:g} to {args.lags[1]:g} m, {name}: "
+            f"median {np.median(times_ms):.2f} ms, p99 {np.percentile(times_ms, 99):.2f} ms, "
+            f"max {max(times_ms):.2f} ms\n"
+        )
     return 0
 
 
