@@ -53,6 +53,9 @@ def jump_to(seq: int) -> MissionItem:
     )
 
 
+NOWHERE: tuple[int, FloatArray] = (0, np.zeros(2))
+
+
 class MissionBanks:
     """What the autopilot's mission holds, and where the next list goes. Item 0 is home."""
 
@@ -63,7 +66,7 @@ class MissionBanks:
         self._led_to: int | None = None
         self._filled = 0
         self._jump_at: int | None = None
-        self._entered: tuple[int, FloatArray] = (0, np.zeros(2))
+        self._entered = NOWHERE
 
     @staticmethod
     def _begin(bank: int) -> int:
@@ -86,7 +89,7 @@ class MissionBanks:
         items = waypoint_items(points, datum, self._altitude_m)
         self._points = [np.empty((0, 2))] * BANKS
         self._points[0] = points
-        self._filled, self._jump_at = 0, None
+        self._filled, self._jump_at, self._entered = 0, None, NOWHERE
         self._led_to = 0 if len(points) < BANK_ITEMS else None
         if self._led_to is None:
             return items
@@ -102,6 +105,8 @@ class MissionBanks:
         taken = {self.bank_of(current), self._led_to}
         self._filled = next(bank for bank in range(BANKS) if bank not in taken)
         self._points[self._filled] = points
+        if self.bank_of(self._entered[0]) == self._filled:
+            self._entered = NOWHERE
         items = waypoint_items(points, datum, self._altitude_m)
         return Write(self._begin(self._filled), tuple(items[1:]))
 
@@ -138,7 +143,7 @@ class MissionBanks:
             self._led_to, self._jump_at = self._filled, kept + 1
             self._entered = (begin + entry, target)
             return Write(kept + 1, (jump_to(begin + entry),))
-        self._led_to, self._jump_at = self._filled, None
+        self._led_to, self._jump_at, self._entered = self._filled, None, NOWHERE
         return MakeCurrent(begin + first_ahead(points, uav))
 
     def _leg_begin(self, seq: int, here: FloatArray) -> FloatArray:
