@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 
 import numpy as np
@@ -33,6 +34,8 @@ from sar_planner.messages import (
 )
 from sar_planner.mission import MissionParameters, MissionPlanner, Mode
 from sar_planner.parameters import CornerParameters
+
+FIGURES = re.compile(r"[\d.]+")
 
 
 class PlannerNode(Node):
@@ -160,7 +163,10 @@ class PlannerNode(Node):
             self.get_logger().info(
                 f"list {waypoints.number}: {waypoints.mode}, {len(waypoints.points)} waypoints"
             )
-        if self._planner.problem and self._planner.problem != problem:
+        # Said once, however its figures change.
+        if self._planner.problem and FIGURES.sub("", self._planner.problem) != FIGURES.sub(
+            "", problem
+        ):
             self.get_logger().warning(self._planner.problem)
 
     def _tell(self) -> None:
