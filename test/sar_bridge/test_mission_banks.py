@@ -132,3 +132,11 @@ def test_a_leg_entered_by_a_jump_begins_where_it_was_entered_from():
     banks.fill(turned + np.array((30.0, 0.0)), DATUM, begin)
     beside = banks._beside(begin, turned[0], np.array((90.0, 25.0)))
     assert beside == pytest.approx((0.0, 25.0))
+
+
+def test_a_list_that_bends_before_a_far_waypoint_is_not_joined_behind_it():
+    far = np.array([[400.0, 0.0], [500.0, 0.0], [900.0, 0.0]])
+    banks, _ = begun(far)
+    weave = np.array([[100.0, 0.0], [160.0, 20.0], [220.0, 40.0], [300.0, 15.0], [420.0, 0.0]])
+    begin = banks.fill(np.vstack((weave, far[1:] + 50.0)), DATUM, 1).start
+    assert banks.join(1, HERE, within_s=1.0) == MakeCurrent(begin)

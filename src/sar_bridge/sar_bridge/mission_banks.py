@@ -26,6 +26,7 @@ NEAR_M = 25.0
 GAP_M = 10.0
 AHEAD_M = 10.0
 FARTHEST_M = 120.0
+ASIDE_M = 10.0
 SHARPEST = math.cos(math.radians(75.0))
 FOREVER = -1.0
 
@@ -174,12 +175,20 @@ class MissionBanks:
         return MakeCurrent(self._begin(led_to) + first_ahead(self._points[led_to], uav))
 
 
+def _off_leg_m(points: FloatArray, begin: FloatArray, end: FloatArray) -> FloatArray:
+    """Return how far points, shape (n, 2), are beside the leg between two others [m]."""
+    way = end - begin
+    across = np.array((-way[1], way[0])) / max(math.hypot(*way), 1e-9)
+    off: FloatArray = np.abs((points - begin) @ across)
+    return off
+
+
 def _entry(
     line: FloatArray, target: FloatArray, passing: FloatArray, course: FloatArray
 ) -> int | None:
     """Return which point of a list, behind the UAV's position in ``line``, comes after ``target``.
 
-    None where the list does not lead past it. ``passing``: where the UAV will be when it passes the
+    None where the list does not lead past it, or elsewhere before that. ``passing``: where the UAV will be when it passes the
     target, ``course``: a vector along its way there. A point whose leg from the target would be
     over by then is left out: ArduPlane would begin that leg where the UAV is, and turn back for the
     point. So is one that lies too far aside.
@@ -197,6 +206,8 @@ def _entry(
     while leg + 1 < len(off) and off[leg + 1] < off[leg]:
         leg += 1
     at = stations[leg] + share[leg] * lengths[leg]
+    if (_off_leg_m(line[1:][stations[1:] < at], line[0], target) > ASIDE_M).any():
+        return None
     legs = line[1:] - target
     left_m = ((line[1:] - passing) * legs).sum(axis=1) / np.maximum(np.hypot(*legs.T), 1e-9)
     onward = legs @ course >= SHARPEST * np.hypot(*legs.T) * np.hypot(*course)

@@ -19,7 +19,7 @@ EXPECTED_SPEED_SIGMA_MPS = 0.7
 EXPECTED_HEADING_SIGMA_RAD = math.radians(2.0)
 EXPECTED_LINE_SIGMA_M = 4.0
 CONTRADICTION = 3.0
-UNSEEN_S = 3.0
+UNSEEN_S = 5.0
 
 
 def _weighed(value: float, sigma: float, expected: float, expected_sigma: float) -> float:
