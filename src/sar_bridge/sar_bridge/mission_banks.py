@@ -188,10 +188,10 @@ def _entry(
 ) -> int | None:
     """Return which point of a list, behind the UAV's position in ``line``, comes after ``target``.
 
-    None where the list does not lead past it, or elsewhere before that. ``passing``: where the UAV will be when it passes the
-    target, ``course``: a vector along its way there. A point whose leg from the target would be
-    over by then is left out: ArduPlane would begin that leg where the UAV is, and turn back for the
-    point. So is one that lies too far aside.
+    None where the list does not lead past it, or elsewhere before that. ``passing``: where the UAV
+    will be when it passes the target, ``course``: a vector along its way there. A point whose leg
+    from the target would be over by then is left out: ArduPlane would begin that leg where the UAV
+    is, and turn back for the point. So is one that lies too far aside.
     """
     begin, way = line[:-1], np.diff(line, axis=0)
     lengths = np.maximum(np.hypot(way[:, 0], way[:, 1]), 1e-9)
