@@ -67,7 +67,7 @@ def test_slowing_it_will_turn_to_the_patterns_side(side):
 def test_standing_it_has_just_left_or_stands_on():
     known = situation(Phase.STOPPED, Motion(120.0, 80.0, 0.0, 0.0, 0.0), corner=estimate())
     leaving, standing = known.forecasts(120.0)
-    assert leaving.positions([117.0])[0] == pytest.approx((80.0, 0.0))
+    assert leaving.positions([115.0])[0] == pytest.approx((80.0, 0.0))
     assert leaving.positions([140.0])[0][1] < -200.0
     assert standing.positions([500.0])[0] == pytest.approx((80.0, 0.0))
 

@@ -458,8 +458,9 @@ class DeadbeatPilot:
             old.length_m - from_m + LONGER_SPACINGS * self._corner.spacing_m,
         )
         row = row_of(old.cut(from_m))
-        least = self._corner.separation_m
-        wanted = least + CORRECTED_SHARE * self._mission.separation_margin_m
+        margin = self._mission.separation_margin_m
+        least = self._corner.separation_m + MARGIN_SHARE * margin
+        wanted = self._corner.separation_m + CORRECTED_SHARE * margin
         path = search.best(row, wanted, least)
         if path is None:
             return self._widest(search, now_s, forecasts, frame)
