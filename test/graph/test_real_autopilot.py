@@ -18,7 +18,7 @@ from sar_sim.autopilot_link import AutopilotLink
 from sar_sim.autopilot_server import AutopilotServer
 from sar_sim.bag import read_messages
 from sar_sim.launch_cli import free_port
-from sar_sim.scenario import Scenario, Uav, Wind
+from sar_sim.scenario import Scenario
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(150)]
 ROOT = Path(__file__).parents[2]
@@ -34,10 +34,7 @@ class Vehicle(threading.Thread):
         self.autopilot = SimAutopilot(
             Pose(250.0, -500.0, 1.5708),
             speed_mps=20.0,
-            uav=Uav(),
-            wind=Wind(),
             datum=Datum(scenario.datum.latitude_deg, scenario.datum.longitude_deg),
-            altitude_m=150.0,
         )
         self.link = AutopilotLink(
             AutopilotServer(self.autopilot, scenario.datum), port, time.monotonic

@@ -29,7 +29,6 @@ from sar_sim.autopilot import SimAutopilot
 from sar_sim.autopilot_link import AutopilotLink
 from sar_sim.autopilot_server import AutopilotServer
 from sar_sim.launch_cli import free_port
-from sar_sim.scenario import Uav, Wind
 
 pytestmark = pytest.mark.timeout(120)
 DATUM = Datum(37.8, -122.8)
@@ -86,10 +85,7 @@ def test_mavsdk_uploads_to_downloads_from_and_hears_the_simulated_autopilot():
     pilot = SimAutopilot(
         Pose(0.0, 0.0, 0.0),
         speed_mps=20.0,
-        uav=Uav(),
-        wind=Wind(),
         datum=DATUM,
-        altitude_m=150.0,
     )
     link = AutopilotLink(AutopilotServer(pilot, DATUM), port, time.monotonic)
     begun = time.monotonic()

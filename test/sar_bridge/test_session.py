@@ -31,7 +31,6 @@ class Bench:
             uav=uav or Uav(),
             wind=wind or Wind(),
             datum=DATUM,
-            altitude_m=150.0,
         )
         self.server = AutopilotServer(self.autopilot, DATUM)
         self.session = AutopilotSession(altitude_m=150.0, **options)

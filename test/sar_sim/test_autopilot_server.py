@@ -7,7 +7,6 @@ from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose
 from sar_sim.autopilot import FlightMode, SimAutopilot
 from sar_sim.autopilot_server import AutopilotServer
-from sar_sim.scenario import Uav, Wind
 
 DATUM = Datum(37.8, -122.8)
 GROUND = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)
@@ -15,9 +14,7 @@ GROUND = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)
 
 @pytest.fixture
 def server():
-    pilot = SimAutopilot(
-        Pose(0, 0, 0), speed_mps=20.0, uav=Uav(), wind=Wind(), datum=DATUM, altitude_m=150.0
-    )
+    pilot = SimAutopilot(Pose(0, 0, 0), speed_mps=20.0, datum=DATUM)
     return AutopilotServer(pilot, DATUM)
 
 

@@ -25,7 +25,6 @@ def autopilot(points, *, uav=ARDUPLANE, wind=None, params=(0.0, 0.0, 0.0, 0.0)):
         uav=uav,
         wind=wind or Wind(),
         datum=DATUM,
-        altitude_m=150.0,
     )
     items = waypoint_items(np.array(points, dtype=float), DATUM, 150.0)
     pilot.load([replace(item, params=params) for item in items])

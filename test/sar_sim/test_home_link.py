@@ -12,7 +12,6 @@ from sar_sim.autopilot_link import AutopilotLink
 from sar_sim.autopilot_server import AutopilotServer
 from sar_sim.home_link import home_of
 from sar_sim.launch_cli import free_port
-from sar_sim.scenario import Uav, Wind
 
 DATUM = Datum(47.1, 8.2, 400.0)
 
@@ -22,10 +21,7 @@ def test_home_is_told():
     pilot = SimAutopilot(
         Pose(100.0, 200.0, 0.0),
         speed_mps=20.0,
-        uav=Uav(),
-        wind=Wind(),
         datum=DATUM,
-        altitude_m=150.0,
     )
     link = AutopilotLink(AutopilotServer(pilot, DATUM), port, time.monotonic)
     running = True

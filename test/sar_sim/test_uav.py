@@ -66,7 +66,6 @@ def autopilot(*, uav=None, wind=None, at=None):
         uav=uav or Uav(),
         wind=wind or Wind(),
         datum=DATUM,
-        altitude_m=150.0,
     )
 
 

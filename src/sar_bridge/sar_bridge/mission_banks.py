@@ -159,7 +159,7 @@ class MissionBanks:
         end = self._point(current)
         if end is None or not (way := end - self._leg_begin(current, here)).any():
             return np.zeros_like(target)
-        across = np.array((-way[1], way[0])) / math.hypot(*way)
+        across = _across(way)
         beside: FloatArray = float((here - end) @ across) * across
         return beside
 
@@ -175,12 +175,10 @@ class MissionBanks:
         return MakeCurrent(self._begin(led_to) + first_ahead(self._points[led_to], uav))
 
 
-def _off_leg_m(points: FloatArray, begin: FloatArray, end: FloatArray) -> FloatArray:
-    """Return how far points, shape (n, 2), are beside the leg between two others [m]."""
-    way = end - begin
-    across = np.array((-way[1], way[0])) / max(math.hypot(*way), 1e-9)
-    off: FloatArray = np.abs((points - begin) @ across)
-    return off
+def _across(way: FloatArray) -> FloatArray:
+    """Return the unit vector to the left of a way, shape (2,)."""
+    across: FloatArray = np.array((-way[1], way[0])) / max(math.hypot(*way), 1e-9)
+    return across
 
 
 def _entry(
@@ -206,7 +204,8 @@ def _entry(
     while leg + 1 < len(off) and off[leg + 1] < off[leg]:
         leg += 1
     at = stations[leg] + share[leg] * lengths[leg]
-    if (_off_leg_m(line[1:][stations[1:] < at], line[0], target) > ASIDE_M).any():
+    before = line[1:][stations[1:] < at]
+    if (np.abs((before - line[0]) @ _across(target - line[0])) > ASIDE_M).any():
         return None
     legs = line[1:] - target
     left_m = ((line[1:] - passing) * legs).sum(axis=1) / np.maximum(np.hypot(*legs.T), 1e-9)

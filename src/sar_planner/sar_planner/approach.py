@@ -62,6 +62,10 @@ class Approach:
         at = self.path.nearest_m(uav.x_m, uav.y_m, max(0.0, low), high)
         return replace(self, flown_m=max(0.0, at))
 
+    def end_in(self, frame: CornerFrame) -> Pose:
+        """Return where the path ends, in another slot's frame."""
+        return frame.to_frame(self.frame.pose_to_map(self.path.end))
+
     def carried_on(self, uav: Pose, to_m: float) -> Pose:
         """Return the pose of a UAV that flies on from ``uav`` as the path does, to ``to_m`` [m]."""
         there, then = (

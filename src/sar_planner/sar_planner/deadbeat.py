@@ -20,6 +20,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sar_estimator.plane import Pose
 from sar_planner.captures import STRAIGHT_P, STRAIGHT_Q, STRAIGHT_Y, CaptureProblem, PathBatch
@@ -144,17 +145,21 @@ class DeadbeatRules:
     def _least_unseen(self, batch: PathBatch, separation_m: float) -> PathBatch | None:
         """Return, of the shortest paths that keep the separation, the one that sees the most."""
         order = np.argsort(batch.lengths_m, kind="stable")
+        found = self._first_safe(batch, order, separation_m, WOVEN)
+        return self._best_covering(batch.take(found)) if found else None
+
+    def _first_safe(
+        self, batch: PathBatch, order: NDArray[np.intp], separation_m: float, count: int
+    ) -> list[int]:
+        """Return the first paths of an order that keep the separation, no more than ``count``."""
         found: list[int] = []
         for begin in range(0, len(order), CHUNK):
             chosen = order[begin : begin + CHUNK]
-            safe = chosen[self.distances_m(batch.take(chosen)) >= separation_m]
-            found += safe.tolist()
-            if len(found) >= WOVEN:
+            safe = self.distances_m(batch.take(chosen)) >= separation_m
+            found += chosen[safe].tolist()
+            if len(found) >= count:
                 break
-        if not found:
-            return None
-        kept = batch.take(found[:WOVEN])
-        return kept.take([int(np.argmin(self.unseen_m2(kept)))])
+        return found[:count]
 
     def unseen_m2(self, batch: PathBatch) -> FloatArray:
         """Return the area of the UAV's strips about the corner that paths leave unseen [m^2]."""
@@ -300,14 +305,8 @@ class DeadbeatRules:
         rules = [family.rule for family in families for _ in range(len(family.batch))]
         batch = PathBatch.join([family.batch for family in families])
         order = np.argsort(lags, kind="stable")
-        for begin in range(0, len(order), CHUNK):
-            chosen = order[begin : begin + CHUNK]
-            part = batch.take(chosen)
-            safe = np.flatnonzero(self.distances_m(part) >= separation_m)
-            if safe.size:
-                best = int(safe[0])
-                return rules[chosen[best]], part.take([best])
-        return None
+        found = self._first_safe(batch, order, separation_m, 1)
+        return (rules[found[0]], batch.take(found)) if found else None
 
     def _corner_plan(self, rule: Rule, lag_m: float, batch: PathBatch) -> CornerPlan:
         path = self._frame.path_to_map(batch.path(0))

@@ -382,7 +382,7 @@ class DeadbeatPilot:
         rest = approach.path.cut(min(flown, approach.path.length_m))
         settled = done or total_turn_rad(rest) < SETTLED_RAD
         frame = self._s.slot_frame(forecasts[0].leg)
-        lost = done and _strays(approach, frame)
+        lost = done and not _on_track(approach.end_in(frame))
         if (settled and self._on_slot(now_s, forecasts[0])) or overdue or lost:
             self._leave()
             return self._leg_list(now_s, forecasts)
@@ -498,7 +498,7 @@ class DeadbeatPilot:
         rest = approach.path.cut(min(approach.flown_m, approach.path.length_m))
         kept_m = self._apart_m(rest, expected, now_s, approach.speed_mps * self._share)
         safe = kept_m >= self._corner.separation_m
-        if safe and not _strays(approach, frame):
+        if safe and _on_track(approach.end_in(frame)):
             return None
         plan = self._rejoin_plan(now_s, forecasts)
         if plan is not None and plan.kept:
@@ -557,8 +557,7 @@ class DeadbeatPilot:
     # Legs --------------------------------------------------------------------------------------
 
     def _on_slot(self, now_s: float, forecast: Forecast) -> bool:
-        pose = self._uav_in(self._s.slot_frame(forecast.leg), now_s)
-        return abs(pose.y_m) < ON_TRACK_M and abs(pose.heading_rad) < ON_HEADING_RAD
+        return _on_track(self._uav_in(self._s.slot_frame(forecast.leg), now_s))
 
     def _leg_list(self, now_s: float, forecasts: tuple[Forecast, ...]) -> Listed | None:
         """Lead the UAV along its slot track and trim its speed, or back to it."""
@@ -583,10 +582,9 @@ class DeadbeatPilot:
         return None if points is None else (str(Mode.LEG), points)
 
 
-def _strays(approach: Approach, frame: CornerFrame) -> bool:
-    """Whether the path does not end on the slot track as it is known now."""
-    end = frame.to_frame(approach.frame.pose_to_map(approach.path.end))
-    return abs(end.y_m) > ON_TRACK_M or abs(end.heading_rad) > ON_HEADING_RAD
+def _on_track(pose: Pose) -> bool:
+    """Whether a pose in a slot's frame is about on the slot track."""
+    return abs(pose.y_m) < ON_TRACK_M and abs(pose.heading_rad) < ON_HEADING_RAD
 
 
 def _misses(approach: Approach, frame: CornerFrame, left_m: float, far_tolerance: float) -> bool:
@@ -594,6 +592,6 @@ def _misses(approach: Approach, frame: CornerFrame, left_m: float, far_tolerance
 
     What is far off need not be met so well yet: a young leg's direction is not known well.
     """
-    end = frame.to_frame(approach.frame.pose_to_map(approach.path.end))
+    end = approach.end_in(frame)
     shift = max(FRAME_SHIFT_M, far_tolerance * left_m)
     return abs(end.y_m) > shift or abs(end.heading_rad) > FRAME_TURN_RAD * shift / FRAME_SHIFT_M

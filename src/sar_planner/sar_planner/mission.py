@@ -207,11 +207,7 @@ class MissionPlanner:
         speed = self.speed_mps
         if speed is None:
             return None
-        return self._pilot.lists.air.airspeed_mps(self._course_rad, speed)
-
-    @property
-    def _course_rad(self) -> float:
-        return self._pilot.course_rad
+        return self._pilot.lists.air.airspeed_mps(self._pilot.course_rad, speed)
 
     def newly_asked_mps(self, step_mps: float) -> float | None:
         """Return the airspeed asked for when it differs by ``step_mps`` from what was told last."""
@@ -261,9 +257,9 @@ class MissionPlanner:
         if self.problem:
             return None
         listed = self._pilot.update(now_s)
-        speed = self._pilot.speed_mps
-        slow = "" if speed is None else self._pilot.lists.air.out_of_reach(self._course_rad, speed)
-        self.problem = "; ".join(note for note in (self._pilot.problem, slow) if note)
+        pilot, speed = self._pilot, self._pilot.speed_mps
+        slow = "" if speed is None else pilot.lists.air.out_of_reach(pilot.course_rad, speed)
+        self.problem = "; ".join(note for note in (pilot.problem, slow) if note)
         if listed is None:
             return None
         name, points = listed

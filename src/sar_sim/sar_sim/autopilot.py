@@ -23,6 +23,7 @@ from sar_sim.presets import make_guidance
 from sar_sim.scenario import Uav, Wind
 from sar_sim.uav import G_MPS2, UavState, ground_motion, step
 
+PLAIN, CALM = Uav(), Wind()
 OSCILLATION_LOSS = 0.4
 TURN_RADIUS_M = 300.0
 FAR_M = 50_000.0
@@ -54,10 +55,10 @@ class SimAutopilot:
         start: Pose,
         *,
         speed_mps: float,
-        uav: Uav,
-        wind: Wind,
         datum: Datum,
-        altitude_m: float,
+        uav: Uav = PLAIN,
+        wind: Wind = CALM,
+        altitude_m: float = 150.0,
     ) -> None:
         """Begin airborne at ``start`` in GUIDED, flying straight on."""
         self._uav, self._datum = uav, datum

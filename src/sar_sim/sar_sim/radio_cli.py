@@ -19,7 +19,7 @@ from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose
 from sar_sim.autopilot import SimAutopilot
 from sar_sim.autopilot_server import AutopilotServer
-from sar_sim.scenario import AUTOPILOTS, Uav, Wind
+from sar_sim.scenario import AUTOPILOTS, Uav
 
 DATUM = Datum(37.8, -122.8)
 STEP_S = 0.005
@@ -64,9 +64,7 @@ class Bench:
             Pose(0.0, 0.0, 0.0),
             speed_mps=20.0,
             uav=uav,
-            wind=Wind(),
             datum=DATUM,
-            altitude_m=150.0,
         )
         self._server = AutopilotServer(self.pilot, DATUM)
         self.session = AutopilotSession(altitude_m=150.0)

@@ -16,7 +16,6 @@ from sar_planner.rejoin import RejoinTask, rejoin
 from sar_planner.rejoin_bound import Limits, gates_of, lower_bound_s, unhindered_s
 from sar_planner.waypoints import path_waypoints
 from sar_sim.autopilot import FlightMode, SimAutopilot
-from sar_sim.scenario import Uav, Wind
 
 STEP_S = 0.05
 SPAN_M = 2000.0
@@ -122,10 +121,7 @@ def fly(seed: int, p: CornerParameters | None = None) -> Trial:
     autopilot = SimAutopilot(
         task.start,
         speed_mps=plan.speed_mps,
-        uav=Uav(),
-        wind=Wind(),
         datum=DATUM,
-        altitude_m=150.0,
     )
     beyond = plan.path.end.offset(2000.0)
     points = np.vstack((path_waypoints(plan.path, 10.0), (beyond.x_m, beyond.y_m)))
