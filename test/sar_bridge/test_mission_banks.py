@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from sar_bridge.mission_banks import BANK_ITEMS, BANKS, MakeCurrent, MissionBanks, Write
+from sar_bridge.mission_banks import (
+    BANK_ITEMS,
+    BANK_STEP_ITEMS,
+    BANKS,
+    MOST_BANK_ITEMS,
+    MakeCurrent,
+    MissionBanks,
+    Write,
+)
 from sar_bridge.mission_items import waypoint_items
 from sar_estimator.geodesy import Datum
 from sar_estimator.states import Motion
@@ -91,15 +99,29 @@ def test_a_list_that_comes_back_is_joined_where_it_first_passes():
     assert banks.join(1, HERE, within_s=0.0).items[0].params[0] == start + 1
 
 
-@pytest.mark.parametrize("count", [BANK_ITEMS, 3 * BANK_ITEMS])
-def test_long_lists_are_missions_of_their_own(count):
-    long = np.column_stack((np.arange(count) * 20.0, np.zeros(count)))
-    banks, items = begun(long)
-    assert len(items) == count + 2
+def row(count):
+    return np.column_stack((np.arange(count) * 20.0, np.zeros(count)))
+
+
+@pytest.mark.parametrize("count", [BANK_ITEMS - 1, BANK_ITEMS, 100, MOST_BANK_ITEMS - 1])
+def test_banks_are_as_large_as_the_first_list_needs(count):
+    banks, items = begun(row(count))
+    size = (len(items) - 1) // BANKS
+    assert len(items) == 1 + BANKS * size
+    assert count < size <= max(BANK_ITEMS, count + BANK_STEP_ITEMS)
+    assert banks.takes(row(size - 1))
+    assert not banks.takes(row(size))
+    assert banks.fill(LINE, DATUM, 1).start == 1 + size
+    banks.whole(LINE, DATUM)
+    assert not banks.takes(row(BANK_ITEMS))
+
+
+def test_a_list_longer_than_any_bank_is_a_mission_of_its_own():
+    banks, items = begun(row(MOST_BANK_ITEMS))
+    assert len(items) == MOST_BANK_ITEMS + 2
     assert not banks.takes(LINE)
     banks.whole(LINE, DATUM)
     assert banks.takes(LINE)
-    assert not banks.takes(long)
     banks.forget()
     assert not banks.takes(LINE)
 

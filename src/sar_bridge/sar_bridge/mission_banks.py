@@ -22,6 +22,8 @@ from sar_estimator.states import Motion
 
 BANKS = 3
 BANK_ITEMS = 64
+BANK_STEP_ITEMS = 16
+MOST_BANK_ITEMS = 224  # what every board that flies ArduPlane holds: some 700 items
 NEAR_M = 25.0
 GAP_M = 10.0
 AHEAD_M = 10.0
@@ -64,37 +66,38 @@ class MissionBanks:
         """Nothing is held yet."""
         self._altitude_m = altitude_m
         self._points: list[FloatArray] = [np.empty((0, 2))] * BANKS
+        self._size = BANK_ITEMS
         self._led_to: int | None = None
         self._filled = 0
         self._jump_at: int | None = None
         self._entered = NOWHERE
 
-    @staticmethod
-    def _begin(bank: int) -> int:
-        return 1 + bank * BANK_ITEMS
+    def _begin(self, bank: int) -> int:
+        return 1 + bank * self._size
 
-    @staticmethod
-    def bank_of(seq: int) -> int:
+    def bank_of(self, seq: int) -> int:
         """Return the bank that an item is in."""
-        return (max(seq, 1) - 1) // BANK_ITEMS
+        return (max(seq, 1) - 1) // self._size
 
     def takes(self, points: FloatArray) -> bool:
         """Whether a list goes into a bank of what is held; else it takes a whole mission."""
-        return self._led_to is not None and len(points) < BANK_ITEMS
+        return self._led_to is not None and len(points) < self._size
 
     def whole(self, points: FloatArray, datum: Datum) -> list[MissionItem]:
         """Return a whole mission with a list, shape (n, 2) [m], in its first bank.
 
-        One that is longer than a bank is a mission of its own.
+        The banks are as large as it needs; one longer than any bank is a mission of its own.
         """
         items = waypoint_items(points, datum, self._altitude_m)
         self._points = [np.empty((0, 2))] * BANKS
         self._points[0] = points
         self._filled, self._jump_at, self._entered = 0, None, NOWHERE
-        self._led_to = 0 if len(points) < BANK_ITEMS else None
+        steps = -(-(len(points) + 1) // BANK_STEP_ITEMS)
+        self._size = max(BANK_ITEMS, steps * BANK_STEP_ITEMS)
+        self._led_to = 0 if self._size <= MOST_BANK_ITEMS else None
         if self._led_to is None:
             return items
-        spare = 1 + BANKS * BANK_ITEMS - len(items)
+        spare = 1 + BANKS * self._size - len(items)
         return [*items, *([items[-1]] * spare)]
 
     def forget(self) -> None:
