@@ -32,6 +32,7 @@ setup(
             "upload_benchmark = sar_sim.radio_cli:main",
             "squares = sar_sim.squares_cli:main",
             "convergence = sar_sim.convergence_cli:main",
+            "monitor_trials = sar_sim.monitor_trials_cli:main",
             "rejoin_trials = sar_sim.rejoin_trials_cli:main",
             "rules_figure = sar_sim.rules_figure_cli:main",
             "detection = sar_sim.detection_cli:main",

@@ -402,3 +402,39 @@ def test_an_autopilot_that_tells_no_parameters_is_not_asked_for_ever():
     before = len(bench.sent)
     bench.run(5.0)
     assert "PARAM_REQUEST_READ" not in kinds(bench, before)
+
+
+def test_a_list_may_be_flown_higher(bench):
+    bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
+    away = np.array([[500.0, -1500.0]])
+    bench.exchange(bench.session.set_list(away, 2.0, DATUM, bench.now, climb_m=40.0))
+    item = bench.autopilot.items[bench.autopilot.current]
+    assert item.altitude_m == 190.0
+    bench.run(20.0)
+    assert bench.autopilot.motion.vy_mps < -15.0  # at once, not behind the old list's waypoint
+    bench.exchange(bench.session.set_list(LINE, 3.0, DATUM, bench.now))
+    assert bench.autopilot.items[bench.autopilot.current].altitude_m == 150.0
+
+
+def heartbeats(bench, seconds):
+    """Return how many heartbeats are sent in the seconds to come."""
+    before = len(bench.sent)
+    bench.run(seconds)
+    return sum(message.get_type() == "HEARTBEAT" for message in bench.sent[before:])
+
+
+def test_heartbeats_stop_while_a_list_is_flown_that_nobody_watches_over(bench):
+    assert heartbeats(bench, 3.0) == 3
+    bench.session.silent = "planner"
+    assert heartbeats(bench, 3.0) == 3  # nothing is led: its failsafe is not ours to call
+    bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
+    assert heartbeats(bench, 3.0) == 0
+    assert bench.session.problem(bench.now) == (
+        "no heartbeats to the autopilot: node planner is silent"
+    )
+    bench.session.silent = ""
+    assert heartbeats(bench, 3.0) == 3
+    bench.session.silent = "monitor"
+    bench.mode(FlightMode.LOITER)  # a human took it
+    assert bench.session.released
+    assert heartbeats(bench, 3.0) == 3

@@ -16,7 +16,13 @@ from sar_planner.messages import (
     planner_diagnostics,
     status_outputs,
 )
-from sar_planner.mission import MissionParameters, MissionPlanner, Mode, UavStatus
+from sar_planner.mission import (
+    MissionParameters,
+    MissionPlanner,
+    Mode,
+    MonitorStatus,
+    UavStatus,
+)
 from sar_planner.parameters import CornerParameters, ParameterError
 
 FLYING = UavStatus("AUTO", armed=True, connected=True)
@@ -264,6 +270,46 @@ def test_engaging_after_a_corner_does_not_plan_it_again():
     listed = past_corner(on_leg(0.0))
     assert listed.mode == "leg"
     assert listed.points[0] == pytest.approx((-170.0, -1050.0))
+
+
+def advance(plan, now):
+    plan.set_helicopter(Motion(now, 20.0 * (now - 100.0), 0.0, 20.0, 0.0))
+    plan.set_leg(leg(now, 20.0 * (now - 100.0)))
+
+
+@pytest.mark.parametrize("rules", ["paper", "deadbeat"])
+def test_nothing_is_planned_while_the_monitor_leads_the_uav_away(rules):
+    plan = on_leg(0.0, rules=rules)
+    assert plan.update(100.0) is not None
+    plan.set_monitor(MonitorStatus(escaping=True, reason="sent away: 80 m"))
+    assert plan.update(100.5) is None
+    assert plan.problem == "monitor: sent away: 80 m"
+    assert plan.engaged
+    plan.set_uav(Motion(110.0, 100.0, -900.0, 0.0, -20.0))
+    advance(plan, 110.0)
+    assert plan.update(110.0) is None
+    plan.set_monitor(MonitorStatus())
+    listed = plan.update(110.1)
+    assert listed is not None  # from where the UAV is now
+    assert np.hypot(*(listed.points[0] - (100.0, -900.0))) < 2000.0
+    assert plan.problem == ""
+
+
+def test_a_refused_leg_is_listed_again_after_a_while():
+    plan = on_leg(0.0, rules="deadbeat")
+    first = plan.update(100.0)
+    refused = MonitorStatus(reason="list refused: 80 m", refused_s=first.time_s)
+    plan.set_monitor(refused)
+    again = plan.update(100.1)
+    assert again is not None
+    assert plan.problem == "list refused: 80 m"
+    plan.set_monitor(replace(refused, refused_s=again.time_s))
+    assert plan.update(100.2) is None
+    assert plan.update(102.0) is None
+    assert plan.update(102.2) is not None
+    plan.set_monitor(MonitorStatus())
+    assert plan.update(102.3) is None
+    assert plan.problem == ""
 
 
 def test_disengaging_in_a_corner_and_engaging_again_does_not_plan_it_again():

@@ -15,14 +15,15 @@ def plan(options, tuned=None):
 
 def test_whole_simulation():
     nodes = plan(FlightOptions(), {"planner": {"reaction_s": 3.0, "rules": "other"}})
-    assert list(nodes) == ["record", "estimator", "planner", "bridge", "sim"]
+    assert list(nodes) == ["record", "estimator", "planner", "monitor", "bridge", "sim"]
+    assert nodes["monitor"]["min_separation_m"] == 200.0
     assert nodes["bridge"]["autopilot_url"] == "udp:127.0.0.1:15000"
     assert nodes["estimator"]["datum_latitude_deg"] == 37.8
     assert nodes["planner"]["reaction_s"] == 3.0
     assert nodes["planner"]["rules"] == "deadbeat"
     assert nodes["planner"]["taylor_y_m"] == 0.0
     assert nodes["sim"]["speed"] == 10.0
-    assert all(nodes[name]["use_sim_time"] for name in ("record", "estimator", "planner", "bridge"))
+    assert all(nodes[name]["use_sim_time"] for name in nodes if name != "sim")
 
 
 def test_real_autopilot_with_a_simulated_helicopter():
@@ -56,6 +57,15 @@ def test_recorded_track():
     ("options", "message"),
     [
         ({"simulation": False}, "--no-sim: expected --autopilot"),
+        (
+            {
+                "simulation": False,
+                "autopilot": "udp:1.2.3.4:5",
+                "helicopter": "topic",
+                "watch_only": True,
+            },
+            "--watch-only: expected a simulation",
+        ),
         ({"simulation": False, "autopilot": "udp:1.2.3.4:5"}, "--no-sim: expected --helicopter"),
         (
             {"simulation": False, "autopilot": "udp:1.2.3.4:5", "helicopter": "a.csv"},

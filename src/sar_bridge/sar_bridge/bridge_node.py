@@ -20,6 +20,7 @@ from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
 
 from sar_bridge.link import Link
+from sar_bridge.liveness import Liveness
 from sar_bridge.session import AutopilotSession, Messages
 from sar_estimator import topics
 from sar_estimator.geodesy import Datum
@@ -27,6 +28,7 @@ from sar_estimator.messages import (
     diagnostics,
     from_stamp,
     motion_to_odometry,
+    path_climb_m,
     path_to_points,
     text_message,
     to_quaternion,
@@ -36,6 +38,7 @@ from sar_estimator.messages import (
 from sar_estimator.node_support import LATCHED, RELIABLE, now_s, parameter, run_node
 
 TICK_S = 0.05
+WATCHED = ("planner", "monitor")
 
 
 class BridgeNode(Node):
@@ -49,6 +52,10 @@ class BridgeNode(Node):
         target = parameter(self, "target_system", 0)
         if not 0 <= target <= 255:
             raise ValueError(f"parameter target_system = {target}: expected 0 to 255")
+        node_timeout = parameter(self, "node_timeout_s", 4.0)
+        if not node_timeout >= 2.0:
+            raise ValueError(f"parameter node_timeout_s = {node_timeout}: expected 2 or more")
+        self._liveness = Liveness(WATCHED, node_timeout)
         self._session = AutopilotSession(altitude_m=altitude, target_system=target)
         self._link = Link(url)
         self._lock = threading.RLock()
@@ -67,7 +74,8 @@ class BridgeNode(Node):
         self._wind = self.create_publisher(Vector3Stamped, topics.WIND, RELIABLE)
         self._told_autopilot = ""
         self._diagnostics = self.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, RELIABLE)
-        self.create_subscription(Path, topics.WAYPOINTS, self._on_list, LATCHED)
+        self.create_subscription(Path, topics.CLEARED, self._on_list, LATCHED)
+        self.create_subscription(DiagnosticArray, topics.DIAGNOSTICS, self._on_alive, RELIABLE)
         self.create_subscription(Float64, topics.SPEED, self._on_speed, LATCHED)
         self.create_subscription(NavSatFix, topics.DATUM, self._on_datum, LATCHED)
         self.create_service(Trigger, topics.RETURN_HOME, self._on_return_home)
@@ -140,7 +148,8 @@ class BridgeNode(Node):
                 self._take_list(self._early_list, datum)
 
     def _on_list(self, message: Path) -> None:
-        if not np.isfinite(path_to_points(message)).all():
+        points = path_to_points(message)
+        if not (np.isfinite(points).all() and math.isfinite(path_climb_m(message))):
             self.get_logger().error("waypoint list with a position that is no number: refused")
             return
         with self._lock:
@@ -159,9 +168,14 @@ class BridgeNode(Node):
                 stamp,
                 datum,
                 time.monotonic(),
+                climb_m=path_climb_m(message),
                 may_engage=0.0 < self._started_s <= stamp,
             )
         )
+
+    def _on_alive(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            self._liveness.hear(status.name, time.monotonic())
 
     def _on_speed(self, message: Float64) -> None:
         if math.isfinite(message.data):
@@ -185,6 +199,7 @@ class BridgeNode(Node):
         if self._started_s == 0.0:
             self._started_s = now_s(self)  # the first time a simulated clock is known
         with self._lock:
+            self._session.silent = self._liveness.silent(now)
             self._send(self._session.tick(now))
             state = self._session.state
             text = json.dumps(

@@ -28,7 +28,7 @@ NEAR_M = 25.0
 GAP_M = 10.0
 AHEAD_M = 10.0
 FARTHEST_M = 120.0
-ASIDE_M = 10.0
+ASIDE_M = 2.0
 SHARPEST = math.cos(math.radians(75.0))
 FOREVER = -1.0
 
@@ -83,12 +83,12 @@ class MissionBanks:
         """Whether a list goes into a bank of what is held; else it takes a whole mission."""
         return self._led_to is not None and len(points) < self._size
 
-    def whole(self, points: FloatArray, datum: Datum) -> list[MissionItem]:
+    def whole(self, points: FloatArray, datum: Datum, *, climb_m: float = 0.0) -> list[MissionItem]:
         """Return a whole mission with a list, shape (n, 2) [m], in its first bank.
 
         The banks are as large as it needs; one longer than any bank is a mission of its own.
         """
-        items = waypoint_items(points, datum, self._altitude_m)
+        items = waypoint_items(points, datum, self._altitude_m + climb_m)
         self._points = [np.empty((0, 2))] * BANKS
         self._points[0] = points
         self._filled, self._jump_at, self._entered = 0, None, NOWHERE
@@ -104,14 +104,16 @@ class MissionBanks:
         """Count on nothing: what the autopilot holds is not known any more."""
         self._led_to = self._jump_at = None
 
-    def fill(self, points: FloatArray, datum: Datum, current: int) -> Write:
+    def fill(
+        self, points: FloatArray, datum: Datum, current: int, *, climb_m: float = 0.0
+    ) -> Write:
         """Return what writes a list into a bank that neither is flown nor led to."""
         taken = {self.bank_of(current), self._led_to}
         self._filled = next(bank for bank in range(BANKS) if bank not in taken)
         self._points[self._filled] = points
         if self.bank_of(self._entered[0]) == self._filled:
             self._entered = NOWHERE
-        items = waypoint_items(points, datum, self._altitude_m)
+        items = waypoint_items(points, datum, self._altitude_m + climb_m)
         return Write(self._begin(self._filled), tuple(items[1:]))
 
     def _point(self, seq: int) -> FloatArray | None:

@@ -50,7 +50,9 @@ class AutopilotSession:
     """Talks to the first autopilot heard, or to the configured system.
 
     ``released``: somebody changed the mode while the list was flown; nothing is sent until a new
-    engagement. ``uploaded``: the newest accepted list.
+    engagement. ``uploaded``: the newest accepted list. ``silent``: the node that leads the UAV or
+    watches over it and is not heard any more: while it is named and a list is flown there are no
+    heartbeats, so that the autopilot's own failsafe acts.
     """
 
     def __init__(self, *, altitude_m: float, target_system: int = 0) -> None:
@@ -60,6 +62,7 @@ class AutopilotSession:
         self.address: Address | None = None
         self.released = False
         self.uploaded: Uploaded | None = None
+        self.silent = ""
         self._wanted_system = target_system
         self._upload: MissionUpload | None = None
         self._reader: ParameterReader | None = None
@@ -71,6 +74,7 @@ class AutopilotSession:
         self._commands: CommandQueue | None = None
         self._points: FloatArray | None = None
         self._stamp_s = 0.0
+        self._climb_m = 0.0
         self._datum: Datum | None = None
         self._engaging = False
         self._returning = False
@@ -90,12 +94,14 @@ class AutopilotSession:
         datum: Datum,
         now_s: float,
         *,
+        climb_m: float = 0.0,
         may_engage: bool = True,
     ) -> Messages:
         """Upload a list and fly it; an empty one withdraws whatever is under way.
 
-        ``may_engage``: whether a first list may change the mode from GUIDED to AUTO (not one that
-        was published before this session began).
+        ``climb_m``: how far above the usual altitude it is flown. ``may_engage``: whether a first
+        list may change the mode from GUIDED to AUTO (not one that was published before this session
+        began).
         """
         if len(points) == 0:
             self._let_go()
@@ -107,6 +113,7 @@ class AutopilotSession:
             self._engaging = may_engage
             self._mode_flown = self.state.mode
         self._points, self._stamp_s, self._datum = points, stamp_s, datum
+        self._climb_m = climb_m
         return self._start_upload(now_s)
 
     def set_speed(self, speed_mps: float, now_s: float) -> Messages:
@@ -199,7 +206,9 @@ class AutopilotSession:
     def tick(self, now_s: float) -> Messages:
         """Return what is due: heartbeats, repeats, and a list that failed before."""
         out: Messages = []
-        if now_s - self._heartbeat_sent_s >= HEARTBEAT_PERIOD_S:
+        leading = self._points is not None and not self.released
+        due = now_s - self._heartbeat_sent_s >= HEARTBEAT_PERIOD_S
+        if due and not (leading and self.silent):
             self._heartbeat_sent_s = now_s
             out.append(ground_heartbeat())
         if self._upload is not None and self._commands is not None:
@@ -241,6 +250,8 @@ class AutopilotSession:
             return "no autopilot heard"
         if not self.connected(now_s):
             return "autopilot's heartbeat lost"
+        if self.silent and self._points is not None:
+            return f"no heartbeats to the autopilot: node {self.silent} is silent"
         if self.released:
             return f"released: mode {self.state.mode} was chosen by somebody else"
         if self._upload is not None and self._upload.state is UploadState.FAILED:
@@ -262,12 +273,14 @@ class AutopilotSession:
         self._later = self._joining = False
         self._begun_s = now_s
         if not self.state.ardupilot:
-            items = waypoint_items(self._points, self._datum, self.altitude_m)[1:]
+            altitude = self.altitude_m + self._climb_m
+            items = waypoint_items(self._points, self._datum, altitude)[1:]
             return self._upload.start(items, self._stamp_s, now_s)
         if self.state.mode == "AUTO" and self._banks.takes(self._points):
-            write = self._banks.fill(self._points, self._datum, self.state.current_item)
+            current, climb = self.state.current_item, self._climb_m
+            write = self._banks.fill(self._points, self._datum, current, climb_m=climb)
             return self._write(write, now_s)
-        whole = self._banks.whole(self._points, self._datum)
+        whole = self._banks.whole(self._points, self._datum, climb_m=self._climb_m)
         return self._upload.start(whole, self._stamp_s, now_s)
 
     def _write(self, write: Write, now_s: float) -> Messages:

@@ -135,6 +135,14 @@ def odometry_to_motion(message: Odometry) -> Motion:
     )
 
 
+def odometry_sigmas(message: Odometry) -> tuple[float, float]:
+    """Return the standard deviations of position [m] and velocity [m/s], along the worse axis."""
+    position, velocity = message.pose.covariance, message.twist.covariance
+    return math.sqrt(max(position[0], position[7], 0.0)), math.sqrt(
+        max(velocity[0], velocity[7], 0.0)
+    )
+
+
 def estimate_to_odometry(estimate: MotionEstimate) -> Odometry:
     """Return the helicopter's estimate as odometry with covariance."""
     message = motion_to_odometry(estimate.motion, child="helicopter")
@@ -241,10 +249,11 @@ def corner_to_path(corner: CornerEstimate) -> Path:
     return path
 
 
-def path_to_corner(path: Path) -> CornerEstimate:
-    """Return the corner of a predicted deceleration (its covariance is not carried: zero).
+def path_to_corner(path: Path, covariance: FloatArray | None = None) -> CornerEstimate:
+    """Return the corner of a predicted deceleration.
 
-    Raises ``ValueError`` when the path is not an onset and a later stop.
+    ``covariance``: of the stop point, shape (2, 2) [m^2]; the path does not carry it. Raises
+    ``ValueError`` when the path is not an onset and a later stop.
     """
     if len(path.poses) != 2:
         raise ValueError(f"predicted deceleration of {len(path.poses)} poses: expected 2")
@@ -264,14 +273,17 @@ def path_to_corner(path: Path) -> CornerEstimate:
         stop_time_s=stop_s,
         speed_mps=speed,
         accel_mps2=speed / duration,
-        covariance=np.zeros((2, 2)),
+        covariance=np.zeros((2, 2)) if covariance is None else covariance,
         heading_sigma_rad=0.0,
         stop_time_sigma_s=0.0,
     )
 
 
-def points_to_path(points: FloatArray, time_s: float) -> Path:
-    """Return points, shape (n, 2) [m], as a path; no points withdraw the list."""
+def points_to_path(points: FloatArray, time_s: float, *, climb_m: float = 0.0) -> Path:
+    """Return points, shape (n, 2) [m], as a path; no points withdraw the list.
+
+    ``climb_m``: how far above the usual altitude they are flown; it becomes their z.
+    """
     path = Path()
     path.header.stamp = to_stamp(time_s)
     path.header.frame_id = FRAME
@@ -279,6 +291,7 @@ def points_to_path(points: FloatArray, time_s: float) -> Path:
         pose = PoseStamped()
         pose.header = path.header
         pose.pose.position.x, pose.pose.position.y = float(x), float(y)
+        pose.pose.position.z = climb_m
         pose.pose.orientation.w = 1.0
         path.poses.append(pose)
     return path
@@ -289,6 +302,11 @@ def path_to_points(path: Path) -> FloatArray:
     return np.array(
         [(pose.pose.position.x, pose.pose.position.y) for pose in path.poses], dtype=np.float64
     ).reshape(-1, 2)
+
+
+def path_climb_m(path: Path) -> float:
+    """Return how far above the usual altitude a path is flown [m]: the z of its first pose."""
+    return float(path.poses[0].pose.position.z) if path.poses else 0.0
 
 
 def message_to_fix(message: NavSatFix) -> Fix:

@@ -66,6 +66,15 @@ class MotionEstimate:
     motion: Motion
     covariance: FloatArray
 
+    @property
+    def sigmas(self) -> tuple[float, float]:
+        """Standard deviations of position [m] and velocity [m/s], along the worse axis."""
+        variances = self.covariance.diagonal()
+        return (
+            math.sqrt(max(float(variances[0]), float(variances[3]), 0.0)),
+            math.sqrt(max(float(variances[1]), float(variances[4]), 0.0)),
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class LegEstimate:

@@ -403,7 +403,8 @@ class DeadbeatPilot:
         apart_m = self._apart_m(rest, expected, now_s, speed)
         if fits and apart_m >= self._corner.separation_m + margin:
             return None
-        return self._correct(now_s, forecasts, frame, flown, off_m)
+        safe = apart_m >= self._corner.separation_m and not moved
+        return self._correct(now_s, forecasts, frame, off_m, abs(lag) if safe else math.inf)
 
     def _apart_m(
         self, rest: FlightPath, forecasts: tuple[Forecast, ...], now_s: float, speed: float
@@ -431,13 +432,13 @@ class DeadbeatPilot:
         now_s: float,
         forecasts: tuple[Forecast, ...],
         frame: CornerFrame,
-        flown_m: float,
         off_m: float,
+        held_lag_m: float,
     ) -> Listed | None:
-        """Solve what is left from where the UAV will be when the new list is flown."""
+        """Solve what is left from where the UAV will be; ``held_lag_m``: of a path that is safe."""
         approach = self.approach
         assert approach is not None
-        old = approach.path
+        old, flown_m = approach.path, approach.flown_m
         run_m = approach.speed_mps * self._share * self._mission.reaction_s
         from_m = min(flown_m + run_m, old.length_m)
         kept = old.cut(min(flown_m, old.length_m), from_m)
@@ -464,12 +465,13 @@ class DeadbeatPilot:
         path = search.best(row, wanted, least)
         if path is None:
             return self._widest(search, now_s, forecasts, frame)
-        before = frame.path_from_map(approach.frame.path_to_map(kept))
-        whole = before.then(path)
-        self.corrections += 1
         self._retry_s = now_s + self._mission.correction_s
         target = forecasts[0].in_frame(frame)
         lag = final_lag_m(path, target, start_s=search.start_s, speed_mps=search.speed_mps)
+        if off_m < OFF_PATH_M and abs(lag) > held_lag_m + self._corner.spacing_m:
+            return None
+        self.corrections += 1
+        whole = frame.path_from_map(approach.frame.path_to_map(kept)).then(path)
         self._begin(
             Approach(
                 frame,

@@ -22,7 +22,14 @@ from sar_estimator.messages import (
     to_stamp,
 )
 from sar_estimator.states import Motion
-from sar_planner.mission import ActiveCorner, MissionPlanner, Mode, UavStatus, WaypointList
+from sar_planner.mission import (
+    ActiveCorner,
+    MissionPlanner,
+    Mode,
+    MonitorStatus,
+    UavStatus,
+    WaypointList,
+)
 from sar_planner.vehicle import Vehicle
 
 SPEED_STEP_MPS = 0.05
@@ -154,6 +161,17 @@ def status_from_text(text: str) -> UavStatus:
         )
     except (KeyError, TypeError, ValueError) as error:
         raise ValueError(f"{text[:80]!r}: expected mode, armed and connected") from error
+
+
+def monitor_from_text(text: str) -> MonitorStatus:
+    """Return the monitor's status from its JSON. Raises ``ValueError`` when it is not one."""
+    try:
+        values = json.loads(text)
+        return MonitorStatus(
+            values["alert"] == "escape", str(values["reason"]), float(values["refused_s"])
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"{text[:80]!r}: expected alert, reason and refused_s") from error
 
 
 def vehicle_from_text(text: str) -> Vehicle:

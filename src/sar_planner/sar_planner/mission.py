@@ -21,6 +21,7 @@ from sar_planner.situation import Situation
 from sar_planner.vehicle import Vehicle
 
 MAX_WAYPOINTS = 400
+REFUSED_RETRY_S = 2.0
 ENGAGE_MODES = ("AUTO", "GUIDED")
 
 
@@ -31,6 +32,18 @@ class UavStatus:
     mode: str = ""
     armed: bool = False
     connected: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class MonitorStatus:
+    """What the separation monitor says: whether it leads the UAV away, and why.
+
+    ``refused_s``: the stamp of the newest list that it did not let pass, 0 for none.
+    """
+
+    escaping: bool = False
+    reason: str = ""
+    refused_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -63,11 +76,13 @@ class MissionPlanner:
         self.problem = ""
         self.list: WaypointList | None = None
         self.status = UavStatus()
+        self.monitor = MonitorStatus()
         self.vehicle = Vehicle({})
         self.wind_mps = (0.0, 0.0)
         self._in_auto = False
         self._lists = 0
         self._told_mps = 0.0
+        self._retry_s = -math.inf
 
     # What is known -----------------------------------------------------------------------------
 
@@ -108,6 +123,15 @@ class MissionPlanner:
             self.disengage()
             self.problem = f"released: the UAV was taken to mode {status.mode}"
         self._in_auto = status.mode == "AUTO"
+
+    def set_monitor(self, status: MonitorStatus) -> None:
+        """Take what the monitor says: while it leads the UAV away, nothing is planned."""
+        if self.engaged and status.escaping and not self.monitor.escaping:
+            self._pilot.end()
+            self.list = None
+        if self.engaged and self.monitor.escaping and not status.escaping:
+            self._pilot.begin()
+        self.monitor = status
 
     def set_vehicle(self, vehicle: Vehicle) -> None:
         """Take what the autopilot says of the UAV."""
@@ -254,12 +278,15 @@ class MissionPlanner:
         if not self.engaged:
             return None
         self.problem = self.obstacle(now_s)
+        if self.monitor.escaping:
+            self.problem = f"monitor: {self.monitor.reason}"
         if self.problem:
             return None
+        refused = self._refused(now_s)
         listed = self._pilot.update(now_s)
         pilot, speed = self._pilot, self._pilot.speed_mps
         slow = "" if speed is None else pilot.lists.air.out_of_reach(pilot.course_rad, speed)
-        self.problem = "; ".join(note for note in (pilot.problem, slow) if note)
+        self.problem = "; ".join(note for note in (pilot.problem, slow, refused) if note)
         if listed is None:
             return None
         name, points = listed
@@ -269,6 +296,15 @@ class MissionPlanner:
         self._lists += 1
         self.list = WaypointList(self._lists, now_s, name, points[:MAX_WAYPOINTS])
         return self.list
+
+    def _refused(self, now_s: float) -> str:
+        """Return why the newest list did not pass, empty when it did; a leg's is made again."""
+        if self.list is None or self.monitor.refused_s != self.list.time_s:
+            return ""
+        if now_s > self._retry_s:
+            self._retry_s = now_s + REFUSED_RETRY_S
+            self._pilot.lists.forget()
+        return self.monitor.reason
 
     def set_clock_back(self) -> None:
         """Forget what belongs to a time that has not come yet: the clock was set back."""
@@ -281,6 +317,7 @@ __all__ = [
     "MissionParameters",
     "MissionPlanner",
     "Mode",
+    "MonitorStatus",
     "UavStatus",
     "WaypointList",
 ]

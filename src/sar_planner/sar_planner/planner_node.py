@@ -27,6 +27,7 @@ from sar_planner.messages import (
     MarkerTracks,
     decision_outputs,
     mission_message,
+    monitor_from_text,
     planner_diagnostics,
     status_from_text,
     status_outputs,
@@ -73,6 +74,7 @@ class PlannerNode(Node):
             (String, topics.PHASE, self._on_phase, LATCHED),
             (String, topics.UAV_STATE, self._on_state, LATCHED),
             (String, topics.AUTOPILOT, self._on_autopilot, LATCHED),
+            (String, topics.MONITOR, self._on_monitor, LATCHED),
             (Vector3Stamped, topics.WIND, self._on_wind, RELIABLE),
         ):
             self.create_subscription(kind, topic, callback, qos)
@@ -115,6 +117,12 @@ class PlannerNode(Node):
         self._planner.set_vehicle(vehicle)
         if warning := vehicle.warning():
             self.get_logger().warning(warning)
+
+    def _on_monitor(self, message: String) -> None:
+        try:
+            self._planner.set_monitor(monitor_from_text(message.data))
+        except ValueError as error:
+            self.get_logger().warning(f"{topics.MONITOR}: {error}", throttle_duration_sec=5.0)
 
     def _on_wind(self, message: Vector3Stamped) -> None:
         self._planner.set_wind((message.vector.x, message.vector.y))

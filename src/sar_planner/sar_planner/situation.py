@@ -13,6 +13,7 @@ from sar_planner.parameters import CornerParameters
 CLOCK_STEP_S = 1.0
 STANDING_S = 600.0
 SURE_BEARING_M = 25.0
+SURE_ASIDE_M = 18.0
 TURNED_OTHERWISE_RAD = math.radians(20.0)
 MOVING_MPS = 3.0
 EXPECTED_SPEED_SIGMA_MPS = 0.7
@@ -242,8 +243,9 @@ class Situation:
         away = math.hypot(helicopter.x_m - stop.x_m, helicopter.y_m - stop.y_m)
         if away > SURE_BEARING_M:
             bearing = math.atan2(helicopter.y_m - stop.y_m, helicopter.x_m - stop.x_m)
-            if abs(wrap_angle(bearing - heading)) > TURNED_OTHERWISE_RAD * max(
-                0.5, SURE_BEARING_M / away
-            ):
+            off = abs(wrap_angle(bearing - heading))
+            # Stop and position are each known to some metres.
+            aside = off > 0.5 * math.pi or away * math.sin(off) > SURE_ASIDE_M
+            if aside and off > TURNED_OTHERWISE_RAD * max(0.5, SURE_BEARING_M / away):
                 heading = bearing
         return Pose(stop.x_m, stop.y_m, heading)

@@ -16,8 +16,15 @@ from sar_sim.pool import in_parallel
 from sar_sim.scenario import Scenario, load_scenario
 
 
-def _fly(seed: int, scenario: Scenario, rules: str, lags: tuple[float, float] | None) -> Outcome:
-    return fly_once(seeded(scenario, seed, lags), rules)
+def _fly(
+    seed: int,
+    scenario: Scenario,
+    rules: str,
+    lags: tuple[float, float] | None,
+    *,
+    watch_only: bool,
+) -> Outcome:
+    return fly_once(seeded(scenario, seed, lags), rules, watch_only=watch_only)
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -30,6 +37,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--lags", type=float, nargs=2, metavar=("LOW", "HIGH"), help="of L(1), m")
     parser.add_argument("--tolerance", type=float, default=15.0, help="on |L(k)|, m")
     parser.add_argument("--from-corner", type=int, default=3, help="counted from this corner on")
+    parser.add_argument("--watch-only", action="store_true", help="the monitor does nothing")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes")
     parser.add_argument("--plot", type=Path, help="draw L(k) of every mission into this file")
     args = parser.parse_args(argv)
@@ -37,7 +45,9 @@ def main(argv: list[str] | None = None) -> int:
         scenario = load_scenario(find_scenario(args.scenario))
         lags = None if args.lags is None else (args.lags[0], args.lags[1])
         seeds = range(args.first_seed, args.first_seed + args.seeds)
-        fly = partial(_fly, scenario=scenario, rules=args.rules, lags=lags)
+        fly = partial(
+            _fly, scenario=scenario, rules=args.rules, lags=lags, watch_only=args.watch_only
+        )
         outcomes = in_parallel(fly, seeds, args.jobs)
     except ValueError as error:
         sys.stderr.write(f"convergence: {error}\n")

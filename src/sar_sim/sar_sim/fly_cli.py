@@ -42,7 +42,14 @@ def offline_track(helicopter: str) -> Path | None:
 
 
 def fly(
-    scenario: Scenario, out: Path, *, rules: str, truth: bool, track: Path | None, quiet: bool
+    scenario: Scenario,
+    out: Path,
+    *,
+    rules: str,
+    truth: bool,
+    track: Path | None,
+    quiet: bool,
+    watch_only: bool = False,
 ) -> dict[str, object]:
     """Fly a scenario into the results folder ``out``; return the metrics."""
     fixes = load_track(track) if track is not None else None
@@ -52,6 +59,7 @@ def fly(
             scenario,
             rules=rules,
             truth=truth,
+            watch_only=watch_only,
             track=fixes,
             estimator_parameters=estimator_parameters(recorded=track is not None),
             bag=bag,
@@ -81,7 +89,13 @@ def main(argv: list[str] | None = None) -> int:
         track = offline_track(args.helicopter)
         out = new_run_folder(args.out)
         metrics = fly(
-            scenario, out, rules=args.rules, truth=args.truth, track=track, quiet=args.quiet
+            scenario,
+            out,
+            rules=args.rules,
+            truth=args.truth,
+            track=track,
+            quiet=args.quiet,
+            watch_only=args.watch_only,
         )
     except (OSError, ValueError) as error:
         sys.stderr.write(f"fly: {error}\n")

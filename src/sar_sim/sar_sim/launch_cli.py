@@ -160,7 +160,12 @@ def prepare(args: argparse.Namespace) -> tuple[list[NodeSpec], Path]:
     Returns the nodes and the results folder. Raises ``ValueError`` in one line.
     """
     options = FlightOptions(
-        args.helicopter, args.autopilot, args.rules, args.speed, simulation=not args.no_sim
+        args.helicopter,
+        args.autopilot,
+        args.rules,
+        args.speed,
+        simulation=not args.no_sim,
+        watch_only=args.watch_only,
     )
     if options.autopilot:
         opener(options.autopilot)

@@ -15,7 +15,8 @@ class FlightOptions:
     """What was asked for on the command line.
 
     ``helicopter``: ``sim``, ``topic``, or the path of a track. ``autopilot``: a URL, empty for the
-    simulated UAV. ``speed``: times real time, None for the default.
+    simulated UAV. ``speed``: times real time, None for the default. ``watch_only``: the monitor says
+    what it sees and does nothing.
     """
 
     helicopter: str = "sim"
@@ -23,6 +24,7 @@ class FlightOptions:
     rules: str = "deadbeat"
     speed: float | None = None
     simulation: bool = True
+    watch_only: bool = False
 
     def __post_init__(self) -> None:
         """Refuse combinations that make no flight."""
@@ -30,6 +32,8 @@ class FlightOptions:
             raise ScenarioError("--no-sim: expected --autopilot URL, the UAV's autopilot")
         if not self.simulation and self.helicopter != "topic":
             raise ScenarioError("--no-sim: expected --helicopter topic, a live GPS fix")
+        if self.watch_only and not self.simulation:
+            raise ScenarioError("--watch-only: expected a simulation, not a real flight")
         if self.speed is not None and not 0.0 < self.speed <= 100.0:
             raise ScenarioError(f"--speed {self.speed}: expected more than 0, at most 100")
         if self.speed not in (None, 1.0) and self.helicopter == "topic":
@@ -91,10 +95,19 @@ def plan_nodes(
         "autopilot_url": options.autopilot or f"udp:127.0.0.1:{port}",
         "altitude_m": scenario.sensor.altitude_m,
     }
+    monitor = {
+        "min_separation_m": scenario.corner.separation_m,
+        "speed_mps": scenario.corner.speed_mps,
+        "accel_mps2": scenario.corner.accel_mps2,
+        "turn_side": scenario.pattern.turn_side,
+    }
+    if options.watch_only:
+        monitor["watch_only"] = True
     specs = [
         NodeSpec("sar_sim", "record", {"bag": str(bag)}),
         NodeSpec("sar_estimator", "estimator", estimator),
         NodeSpec("sar_planner", "planner", planner),
+        NodeSpec("sar_bridge", "monitor", monitor),
         NodeSpec("sar_bridge", "bridge", bridge),
     ]
     if options.simulation and not (options.live and options.autopilot):
@@ -128,7 +141,7 @@ def parameter_document(specs: list[NodeSpec]) -> dict[str, Any]:
 
 def read_tuned(document: object, name: str) -> dict[str, dict[str, Any]]:
     """Return a parameter file's content by node. Raises ``ScenarioError`` naming what is wrong."""
-    known = ("estimator", "planner", "bridge", "record", "sim")
+    known = ("estimator", "planner", "monitor", "bridge", "record", "sim")
     if not isinstance(document, dict):
         raise ScenarioError(f"{name}: expected node names with ros__parameters")
     tuned = {}

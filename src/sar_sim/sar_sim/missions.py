@@ -60,9 +60,9 @@ def seeded(scenario: Scenario, seed: int, lags_m: tuple[float, float] | None) ->
     )
 
 
-def fly_once(scenario: Scenario, rules: str) -> Outcome:
+def fly_once(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Outcome:
     """Fly one mission with the estimator in the loop."""
-    flight = OfflineFlight(scenario, rules=rules)
+    flight = OfflineFlight(scenario, rules=rules, watch_only=watch_only)
     seen = Observer(flight.world)
     flown: dict[int, str] = {}
 

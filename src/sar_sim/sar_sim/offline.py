@@ -9,8 +9,16 @@ from typing import Any
 
 from rclpy.serialization import serialize_message
 
+from sar_bridge.follower import FloatArray, FollowerTuning
+from sar_bridge.helicopter_futures import Habits
 from sar_bridge.mission_banks import MissionBanks, Write
 from sar_bridge.mission_items import first_ahead
+from sar_bridge.separation_monitor import (
+    Alert,
+    MonitorParameters,
+    SeparationMonitor,
+    monitor_text,
+)
 from sar_estimator import topics
 from sar_estimator.estimator import HelicopterEstimator
 from sar_estimator.fixes import Fix
@@ -18,6 +26,7 @@ from sar_estimator.messages import (
     datum_message,
     fix_outputs,
     fix_to_message,
+    points_to_path,
     prediction_outputs,
     text_message,
     velocity_message,
@@ -29,7 +38,14 @@ from sar_planner.messages import (
     planner_diagnostics,
     status_outputs,
 )
-from sar_planner.mission import MissionParameters, MissionPlanner, Mode, UavStatus, WaypointList
+from sar_planner.mission import (
+    MissionParameters,
+    MissionPlanner,
+    Mode,
+    MonitorStatus,
+    UavStatus,
+    WaypointList,
+)
 from sar_planner.vehicle import Vehicle
 from sar_sim.autopilot import FlightMode
 from sar_sim.bag import BagWriter, canonical
@@ -41,11 +57,14 @@ from sar_sim.truth import TrueEstimates
 from sar_sim.world import World
 
 STEPS_PER_TICK = 2
+STEPS_PER_GUARD = 10
 TICKS_PER_STATUS = 10
 JOINING_ITEMS = 2
 LATCHED = {
     topics.DATUM,
     topics.WAYPOINTS,
+    topics.CLEARED,
+    topics.MONITOR,
     topics.SPEED,
     topics.PHASE,
     topics.MODE,
@@ -81,6 +100,26 @@ def mission_parameters(scenario: Scenario, *, rules: str) -> MissionParameters:
     )
 
 
+def make_monitor(scenario: Scenario, *, watch_only: bool = False) -> SeparationMonitor:
+    """Return the monitor that a scenario is flown with."""
+    corner = scenario.corner
+    monitor = SeparationMonitor(
+        MonitorParameters(min_separation_m=corner.separation_m, watch_only=watch_only),
+        Habits(corner.speed_mps, corner.accel_mps2, scenario.pattern.turn_side),
+    )
+    monitor.tuning = FollowerTuning.read(parameter_values(scenario.uav))
+    return monitor
+
+
+@dataclass(frozen=True, slots=True)
+class Cleared:
+    """A list on its way to the autopilot: ``points``, shape (n, 2) [m]."""
+
+    points: FloatArray
+    stamp_s: float
+    climb_m: float = 0.0
+
+
 @dataclass(frozen=True, slots=True)
 class Progress:
     """What is told while flying."""
@@ -94,7 +133,11 @@ class Progress:
 
 
 class OfflineFlight:
-    """One mission. ``truth`` replaces the estimator by the helicopter's true state."""
+    """One mission.
+
+    ``truth`` replaces the estimator by the helicopter's true state. ``watch_only``: the monitor
+    says what it sees and does nothing.
+    """
 
     def __init__(
         self,
@@ -102,6 +145,7 @@ class OfflineFlight:
         *,
         rules: str = "deadbeat",
         truth: bool = False,
+        watch_only: bool = False,
         track: list[Fix] | None = None,
         estimator_parameters: EstimatorParameters | None = None,
         bag: BagWriter | None = None,
@@ -120,10 +164,13 @@ class OfflineFlight:
             self._truth = TrueEstimates(self.world.helicopter, self.world.datum)
             mission = replace(mission, reaction_s=0.0)
         self.planner = MissionPlanner(scenario.corner, mission)
+        self.monitor = make_monitor(scenario, watch_only=watch_only)
+        self._refused_s = 0.0
+        self._told_monitor = ""
         self._banks = MissionBanks(altitude_m=scenario.sensor.altitude_m)
         self.planner.set_vehicle(Vehicle(parameter_values(scenario.uav)))
-        self._newest: WaypointList | None = None
-        self._under_way: WaypointList | None = None
+        self._newest: Cleared | None = None
+        self._under_way: Cleared | None = None
         self._arrives_s = 0.0
         self._corners = list(self.world.corners)
         self._steps = 0
@@ -186,6 +233,8 @@ class OfflineFlight:
             self._plan()
         if self._steps % STEPS_PER_TICK == 0:
             self._tick()
+        if self._steps % STEPS_PER_GUARD == 0:
+            self._guard()
 
     def _receive(self, reception: Reception) -> None:
         fix, velocity = reception.fix, reception.velocity
@@ -204,17 +253,23 @@ class OfflineFlight:
     def _know(self, source: HelicopterEstimator | TrueEstimates) -> None:
         """Tell the planner what is known of leg, corner, phase and positions."""
         estimate = source.predict(self.now_s)
+        watched = self.monitor.helicopter
         if estimate is not None:
             self.planner.set_helicopter(estimate.motion)
-        self.planner.set_uav(replace(self.world.autopilot.motion, time_s=self.now_s))
+            watched.set_motion(estimate.motion, *estimate.sigmas)
+        uav = replace(self.world.autopilot.motion, time_s=self.now_s)
+        self.planner.set_uav(uav)
+        self.monitor.set_uav(uav)
         self.planner.set_wind(self.world.autopilot.wind_estimate_mps)
         phase = source.phase(self.now_s)
         if phase != self._phase:
             self._phase = phase
             self._write(topics.PHASE, text_message(phase))
         self.planner.set_phase(phase)
+        watched.phase, watched.corner = phase, source.corner
         if source.leg is not None:
             self.planner.set_leg(source.leg)
+            watched.set_leg(source.leg)
         if source.corner is not None:
             self.planner.set_corner(source.corner)
 
@@ -247,9 +302,41 @@ class OfflineFlight:
             for topic, decision in decision_outputs(self.planner, waypoints):
                 self._write(topic, decision)
         if waypoints is not None:
-            self._newest = waypoints
+            self._offer(waypoints)
         if self.planner.airspeed_mps is not None:
             autopilot.airspeed_mps = self.planner.airspeed_mps
+
+    def _offer(self, waypoints: WaypointList) -> None:
+        """Hand a list on when the monitor lets it pass."""
+        stamp = waypoints.time_s
+        if self.monitor.passes(waypoints.points, stamp, self.now_s):
+            self._refused_s = 0.0
+            self._clear(Cleared(waypoints.points, stamp))
+        else:
+            self._refused_s = stamp
+        self._tell_monitor()
+
+    def _clear(self, cleared: Cleared) -> None:
+        self._newest = cleared
+        if self._bag is not None:
+            path = points_to_path(cleared.points, cleared.stamp_s, climb_m=cleared.climb_m)
+            self._write(topics.CLEARED, path)
+
+    def _guard(self) -> None:
+        escape = self.monitor.update(self.now_s)
+        if escape is not None:
+            self._clear(Cleared(escape.points, escape.time_s, escape.climb_m))
+        self._tell_monitor()
+
+    def _tell_monitor(self) -> None:
+        """Tell the planner what the monitor says, when that has changed."""
+        monitor = self.monitor
+        status = MonitorStatus(monitor.alert is Alert.ESCAPE, monitor.reason, self._refused_s)
+        text = monitor_text(monitor, self._refused_s)
+        if text != self._told_monitor:
+            self._told_monitor = text
+            self.planner.set_monitor(status)
+            self._write(topics.MONITOR, text_message(text))
 
     def _transfer(self) -> None:
         """Hand lists to the autopilot as the bridge does: one after the other, the newest next."""
@@ -262,15 +349,18 @@ class OfflineFlight:
             items = len(self._under_way.points) + JOINING_ITEMS
             self._arrives_s = self.world.time_s + items * self.world.scenario.uav.item_s
 
-    def _load(self, waypoints: WaypointList) -> None:
+    def _load(self, waypoints: Cleared) -> None:
         """Put a list into its bank and lead over to it."""
-        autopilot = self.world.autopilot
+        autopilot, climb = self.world.autopilot, waypoints.climb_m
+        self.monitor.set_uploaded(waypoints.stamp_s)
         if autopilot.mode is not FlightMode.AUTO or not self._banks.takes(waypoints.points):
-            autopilot.load(self._banks.whole(waypoints.points, self.world.datum))
+            autopilot.load(self._banks.whole(waypoints.points, self.world.datum, climb_m=climb))
             autopilot.set_current(first_ahead(waypoints.points, autopilot.motion) + 1)
             autopilot.set_mode(FlightMode.AUTO)
             return
-        write = self._banks.fill(waypoints.points, self.world.datum, autopilot.current)
+        write = self._banks.fill(
+            waypoints.points, self.world.datum, autopilot.current, climb_m=climb
+        )
         self._put(write)
         step = self._banks.join(autopilot.current, autopilot.motion, within_s=0.0)
         if isinstance(step, Write):

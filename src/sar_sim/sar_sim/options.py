@@ -42,6 +42,9 @@ def add_flight_options(parser: argparse.ArgumentParser, *, rule_sets: tuple[str,
     parser.add_argument("--rules", choices=rule_sets, default="deadbeat", help="the rule set")
     parser.add_argument("--seed", type=int, help="of receiver noise and pilot, not the scenario's")
     parser.add_argument("--lag", type=float, help="L(1) in metres, instead of the scenario's")
+    parser.add_argument(
+        "--watch-only", action="store_true", help="the monitor does nothing (only in simulation)"
+    )
     parser.add_argument("--out", type=Path, help="results folder, default runs/<time>")
     parser.add_argument(
         "--helicopter",

@@ -1,0 +1,445 @@
+"""The independent separation monitor: a gate for waypoint lists, a guard that commands escapes.
+
+Pure, and without any of the planner's code. From the motion of both aircraft it predicts where the
+UAV will be that follows a list (``follower``) and where the helicopter may be
+(``helicopter_futures``). *Gate*: a list that breaks the least separation in prediction does not
+pass. *Guard*: when the list that is flown leads close to the helicopter anyway, the UAV is sent
+away until it is clear. Positions are in the map frame [m], times in seconds of one clock.
+"""
+
+from __future__ import annotations
+
+import enum
+import json
+import math
+from dataclasses import dataclass, fields
+from itertools import pairwise
+
+import numpy as np
+
+from sar_bridge.follower import STEP_S, FloatArray, FollowerTuning, Route, follow
+from sar_bridge.helicopter_futures import Future, Habits, Helicopter
+from sar_estimator.states import Motion, Phase
+
+CAUTION_SHARE, WARNING_SHARE, ESCAPE_SHARE = 0.85, 0.75, 0.65
+HEADINGS = 12
+BETTER_M = 5.0
+MUCH_BETTER_M = 30.0
+RECHOOSE_S = 2.0
+CLIMB_MPS = 2.5
+FARTHEST_M = 100_000.0
+
+
+class Alert(enum.StrEnum):
+    """How near a conflict is, in the order of severity."""
+
+    NONE = "none"
+    CAUTION = "caution"
+    WARNING = "warning"
+    ESCAPE = "escape"
+
+
+ALERTS = tuple(Alert)
+
+
+@dataclass(frozen=True, slots=True)
+class MonitorParameters:
+    """Thresholds, horizontal [m] and times [s].
+
+    ``min_separation_m``: no list passes that leads closer within ``horizon_s``, the doubt
+    (``gate_sigmas`` standard deviations of both aircraft's positions, ``follow_sigma_m`` that of
+    the UAV's beside its predicted path) taken in its favour. ``caution_separation_m``,
+    ``warning_separation_m``: what is told when the list being flown leads closer within
+    ``alert_horizon_s``, for ``alert_after_s``. ``escape_separation_m``: the UAV is sent away when
+    it leads closer in anything possible within ``possible_horizon_s``, the doubt (``guard_sigmas``)
+    against it; or in what is likely within ``escape_horizon_s``, the doubt in its favour, and the
+    planner has not led it elsewhere for ``escape_after_s``. None for a share of
+    ``min_separation_m``. ``clear_s``: how long all must be well before the planner leads again.
+    ``escape_climb_m``: how far an escape climbs where that separates more. ``escape_reach_m``: how
+    far away it ends. ``stale_s``: the age of a position from which on no list passes; ``lost_s``:
+    for how long nothing sure may be known of the helicopter before the UAV is sent away.
+    ``watch_only``: say all this and do nothing, to see what a planner does by itself.
+    """
+
+    min_separation_m: float = 200.0
+    gate_sigmas: float = 1.0
+    follow_sigma_m: float = 5.0
+    caution_separation_m: float | None = None
+    warning_separation_m: float | None = None
+    escape_separation_m: float | None = None
+    guard_sigmas: float = 0.5
+    horizon_s: float = 60.0
+    alert_horizon_s: float = 40.0
+    escape_horizon_s: float = 20.0
+    possible_horizon_s: float = 10.0
+    alert_after_s: float = 2.0
+    escape_after_s: float = 4.0
+    clear_s: float = 5.0
+    escape_climb_m: float = 40.0
+    escape_reach_m: float = 1500.0
+    stale_s: float = 3.0
+    lost_s: float = 15.0
+    watch_only: bool = False
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` for a value that cannot be meant."""
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if value is not None and not (math.isfinite(value) and value >= 0.0):
+                raise ValueError(f"parameter {item.name} = {value}: expected 0 or more")
+        steps = list(self.thresholds().items())
+        for (upper, most), (lower, least) in pairwise(steps):
+            if not 0.0 < least <= most:
+                raise ValueError(
+                    f"parameter {lower} = {least:g}: expected more than 0, at most {upper} = "
+                    f"{most:g}"
+                )
+        if not STEP_S <= self.escape_horizon_s <= self.alert_horizon_s <= self.horizon_s <= 300.0:
+            raise ValueError(
+                f"parameter escape_horizon_s = {self.escape_horizon_s}: expected at most "
+                f"alert_horizon_s = {self.alert_horizon_s}, that at most horizon_s = "
+                f"{self.horizon_s}, and that at most 300"
+            )
+
+    def thresholds(self) -> dict[str, float]:
+        """Return the distances [m] that something is told, or done, below; the largest first."""
+        least = self.min_separation_m
+        shares = (
+            ("caution_separation_m", CAUTION_SHARE),
+            ("warning_separation_m", WARNING_SHARE),
+            ("escape_separation_m", ESCAPE_SHARE),
+        )
+        found = {"min_separation_m": least}
+        for name, share in shares:
+            value = getattr(self, name)
+            found[name] = share * least if value is None else value
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class Approach:
+    """A closest approach in prediction: distance [m], in how long [s], and what would lead to it.
+
+    Distances are bounds: the doubt is taken off, or added, already.
+    """
+
+    distance_m: float
+    in_s: float
+    future: str
+
+    def __str__(self) -> str:
+        """Say it."""
+        return f"{self.distance_m:.0f} m in {self.in_s:.0f} s if the helicopter {self.future}"
+
+
+def _distance(approach: Approach) -> float:
+    return approach.distance_m
+
+
+NO_APPROACH = Approach(math.inf, 0.0, "")
+
+
+@dataclass(frozen=True)
+class Escape:
+    """Where the UAV is sent: ``points``, shape (1, 2) [m], and how much it climbs [m]."""
+
+    number: int
+    time_s: float
+    points: FloatArray
+    climb_m: float
+    predicted_m: float
+
+
+class SeparationMonitor:
+    """Gate and guard. It is told what is known, and asked about lists, and what is to be done.
+
+    ``alert``: the state of the list being flown. ``nearest``: its closest approach in prediction.
+    ``reason``: why the newest list was refused, or the UAV was sent away. ``counts``: how often
+    each alert began, and lists passed and were refused.
+    """
+
+    def __init__(self, parameters: MonitorParameters, habits: Habits) -> None:
+        """Know nothing yet."""
+        self.parameters = parameters
+        self.helicopter = Helicopter(habits)
+        self.tuning = FollowerTuning()
+        self.uav: Motion | None = None
+        self.above_m = 0.0
+        self.alert = Alert.NONE
+        self.nearest = NO_APPROACH
+        self.reason = ""
+        self.escape: Escape | None = None
+        self.counts = dict.fromkeys((*Alert, "passed", "refused"), 0)
+        self._limits = parameters.thresholds()
+        count = round(parameters.horizon_s / STEP_S) + 1
+        self._times: FloatArray = STEP_S * np.arange(count, dtype=np.float64)
+        self._flown: Route | None = None
+        self._cleared: dict[float, FloatArray] = {}
+        self._clear_since_s = math.inf
+        self._near_since_s = self._conflict_since_s = math.inf
+        self._sure_s = math.inf
+        self._chosen_s = -math.inf
+        self._escapes = 0
+
+    # What is known -----------------------------------------------------------------------------
+
+    def set_uav(self, motion: Motion) -> None:
+        """Take the UAV's newest motion."""
+        if not motion.is_finite():
+            return
+        self.uav = motion
+        if self._flown is not None:
+            self._flown.advance(motion)
+
+    def set_uploaded(self, stamp_s: float) -> None:
+        """Take note that the autopilot flies the list of a stamp."""
+        points = self._cleared.pop(stamp_s, None)
+        if points is None or self.uav is None:
+            return
+        self._cleared = {s: held for s, held in self._cleared.items() if s > stamp_s}
+        if self.escape is None:
+            self.set_flown(points)
+
+    def set_flown(self, points: FloatArray) -> None:
+        """Take note of the list, shape (n, 2) [m], that is flown, however it came to be."""
+        if self.uav is not None:
+            self._flown = Route(points, self.uav)
+
+    def withdraw(self) -> None:
+        """Take note that no list is flown any more: nothing is guarded."""
+        self._flown = self.escape = None
+        self._cleared.clear()
+        self.alert, self.nearest, self.reason = Alert.NONE, NO_APPROACH, ""
+
+    def _unknown(self, now_s: float) -> str:
+        """Return which position is missing or old, empty when both are known."""
+        for name, motion in (("helicopter", self.helicopter.motion), ("UAV", self.uav)):
+            if motion is None:
+                return f"no {name} position"
+            age = now_s - motion.time_s
+            if age > self.parameters.stale_s:
+                return f"{name} position {age:.1f} s old (limit {self.parameters.stale_s:g} s)"
+        return "helicopter GPS lost" if self.helicopter.phase is Phase.LOST else ""
+
+    # Gate --------------------------------------------------------------------------------------
+
+    def passes(self, points: FloatArray, stamp_s: float, now_s: float) -> bool:
+        """Return whether a list, shape (n, 2) [m], may be uploaded; ``reason`` says why not.
+
+        One that is better than what is flown passes even where it breaks the least separation.
+        """
+        refusal = self._refusal(points, now_s)
+        self.counts["refused" if refusal else "passed"] += 1
+        if refusal:
+            self.reason = refusal
+            if not self.parameters.watch_only:
+                return False
+        elif self.escape is None:
+            self.reason = ""
+        self._cleared[stamp_s] = points
+        return True
+
+    def _refusal(self, points: FloatArray, now_s: float) -> str:
+        if len(points) == 0:
+            return "list without waypoints"
+        if not np.isfinite(points).all() or np.abs(points).max() > FARTHEST_M:
+            return f"list with a waypoint that is not within {FARTHEST_M:g} m"
+        away = "the UAV is being sent away" if self.escape is not None else ""
+        if obstacle := away or self._unknown(now_s):
+            return f"list refused: {obstacle}"
+        assert self.uav is not None
+        futures = self.helicopter.futures(now_s, self._times)
+        offered = self._near(Route(points, self.uav), futures, now_s)
+        if offered is NO_APPROACH:
+            return ""
+        held = self._flown or Route(np.empty((0, 2)), self.uav)
+        flown = self._near(held, futures, now_s)
+        better = offered.distance_m > flown.distance_m + BETTER_M
+        return "" if better else f"list refused: {offered}"
+
+    def _near(self, route: Route, futures: list[Future], now_s: float) -> Approach:
+        """Return how a route breaks what the gate asks for; ``NO_APPROACH`` where it does not."""
+        p = self.parameters
+        path = self._path(route, now_s, p.horizon_s)
+        likely = self._closest(path, futures, p.gate_sigmas, p.horizon_s, only_likely=True)
+        any_soon = self._closest(path, futures, p.gate_sigmas, p.possible_horizon_s)
+        if any_soon.distance_m < self._limits["escape_separation_m"]:
+            return min(likely, any_soon, key=_distance)
+        return likely if likely.distance_m < p.min_separation_m else NO_APPROACH
+
+    def _path(self, route: Route, now_s: float, horizon_s: float) -> FloatArray:
+        """Return where the UAV will be on a route, at the monitor's times from now on."""
+        uav = self.uav
+        assert uav is not None
+        late_s = min(max(now_s - uav.time_s, 0.0), self.parameters.lost_s)
+        skipped = round(late_s / STEP_S)
+        path = follow(
+            uav,
+            route,
+            tuning=self.tuning,
+            cruise_mps=self.helicopter.cruise_mps,
+            horizon_s=horizon_s + skipped * STEP_S,
+        )
+        return path[skipped:]
+
+    def _closest(
+        self,
+        path: FloatArray,
+        futures: list[Future],
+        sigmas: float,
+        horizon_s: float,
+        *,
+        only_likely: bool = False,
+    ) -> Approach:
+        """Return the closest approach to any future, ``sigmas`` standard deviations added."""
+        count = round(horizon_s / STEP_S) + 1
+        found = NO_APPROACH
+        for future in futures:
+            if only_likely and not future.likely:
+                continue
+            apart = np.hypot(*(path[:count] - future.positions[:count]).T)
+            bound = apart + sigmas * np.hypot(
+                future.sigma_m[:count], self.parameters.follow_sigma_m
+            )
+            i = int(bound.argmin())
+            if bound[i] < found.distance_m:
+                found = Approach(float(bound[i]), float(self._times[i]), future.name)
+        return found
+
+    # Guard -------------------------------------------------------------------------------------
+
+    def update(self, now_s: float) -> Escape | None:
+        """Look at what is flown; return a new escape when the UAV is to be sent away."""
+        if self._flown is None or self.uav is None or self.helicopter.motion is None:
+            self._set_alert(Alert.NONE)
+            return None
+        p = self.parameters
+        futures = self.helicopter.futures(now_s, self._times)
+        path = self._path(self._flown, now_s, p.alert_horizon_s)
+        soon = self._closest(path, futures, -p.guard_sigmas, p.possible_horizon_s)
+        later = self._closest(path, futures, p.gate_sigmas, p.escape_horizon_s, only_likely=True)
+        self.nearest = self._closest(path, futures, 0.0, p.alert_horizon_s, only_likely=True)
+        lost_s = self._lost_for(now_s, self.helicopter.motion)
+        if self.escape is not None:
+            return self._escaping(futures, min(soon, later, key=_distance), now_s)
+        escape_m = self._limits["escape_separation_m"]
+        if later.distance_m >= escape_m:
+            self._conflict_since_s = math.inf
+        else:
+            self._conflict_since_s = min(self._conflict_since_s, now_s)
+        lasting = now_s - self._conflict_since_s >= p.escape_after_s
+        if p.watch_only:
+            self._tell(now_s)
+            return None
+        if soon.distance_m < escape_m or lasting:
+            self.reason = f"sent away: {soon if soon.distance_m < escape_m else later}"
+            return self._send_away(futures, now_s)
+        if lost_s > p.lost_s:
+            self.reason = f"sent away: helicopter's position lost for {lost_s:.0f} s"
+            return self._send_away(futures, now_s)
+        self._tell(now_s)
+        return None
+
+    def _tell(self, now_s: float) -> None:
+        """Set the alert short of an escape: at once when it gets less, after a while when more."""
+        p, near = self.parameters, self.nearest.distance_m
+        alert = Alert.NONE
+        if near < self._limits["caution_separation_m"]:
+            alert = Alert.WARNING if near < self._limits["warning_separation_m"] else Alert.CAUTION
+        if ALERTS.index(alert) <= ALERTS.index(self.alert):
+            self._near_since_s = math.inf
+            self._set_alert(alert)
+            return
+        self._near_since_s = min(self._near_since_s, now_s)
+        if now_s - self._near_since_s >= p.alert_after_s:
+            self._set_alert(alert)
+
+    def _lost_for(self, now_s: float, motion: Motion) -> float:
+        """Return for how long nothing sure is known of the helicopter [s].
+
+        What is told of it while its GPS is lost is only extrapolated.
+        """
+        if self.helicopter.phase is not Phase.LOST:
+            self._sure_s = motion.time_s
+        return now_s - self._sure_s
+
+    def _set_alert(self, alert: Alert) -> None:
+        if alert is not self.alert:
+            self.counts[alert] += 1
+        self.alert = alert
+
+    def _escaping(self, futures: list[Future], soon: Approach, now_s: float) -> Escape | None:
+        """Hand back when all has been well for a while; else see whether another way is better."""
+        p = self.parameters
+        known = not self._unknown(now_s)
+        if known and soon.distance_m >= p.min_separation_m:
+            self._clear_since_s = min(self._clear_since_s, now_s)
+            if now_s - self._clear_since_s >= p.clear_s:
+                self.escape, self.reason = None, ""
+                self._set_alert(Alert.NONE)
+            return None
+        self._clear_since_s = math.inf
+        if now_s - self._chosen_s < RECHOOSE_S or not known:
+            return None
+        self._chosen_s = now_s
+        best = self._best_way(futures, now_s)
+        if best.predicted_m > soon.distance_m + MUCH_BETTER_M:
+            return self._take(best)
+        return None
+
+    def _send_away(self, futures: list[Future], now_s: float) -> Escape:
+        self._set_alert(Alert.ESCAPE)
+        self._chosen_s = now_s
+        self._clear_since_s = math.inf
+        return self._take(self._best_way(futures, now_s))
+
+    def _take(self, escape: Escape) -> Escape:
+        assert self.uav is not None
+        self._escapes += 1
+        self.escape = escape
+        self._cleared.clear()
+        self._flown = Route(escape.points, self.uav)
+        return escape
+
+    def _best_way(self, futures: list[Future], now_s: float) -> Escape:
+        """Return the escape with the greatest least separation, over all futures.
+
+        Straight away in one of ``HEADINGS`` directions, at this height or climbing.
+        """
+        assert self.uav is not None
+        p, uav = self.parameters, self.uav
+        rise = np.minimum(CLIMB_MPS * self._times, p.escape_climb_m)
+        found: list[tuple[float, float, FloatArray]] = []
+        for i in range(HEADINGS):
+            course = uav.course_rad + 2.0 * math.pi * i / HEADINGS
+            reach = p.escape_reach_m * np.array((math.cos(course), math.sin(course)))
+            end = np.array([[uav.x_m, uav.y_m]]) + reach
+            path = self._path(Route(end, uav), now_s, p.alert_horizon_s)
+            for climb, up in ((0.0, np.zeros_like(rise)), (p.escape_climb_m, rise)):
+                found.append((self._least(path, self.above_m + up, futures), climb, end))
+        best = max(found, key=lambda option: option[0])
+        return Escape(self._escapes + 1, now_s, best[2], best[1], best[0])
+
+    def _least(self, path: FloatArray, above: FloatArray, futures: list[Future]) -> float:
+        """Return the least distance in space [m] to any future within the alert horizon."""
+        p = self.parameters
+        count = round(p.alert_horizon_s / STEP_S) + 1
+        return min(
+            float(
+                np.sqrt(
+                    np.maximum(
+                        np.hypot(*(path[:count] - future.positions[:count]).T)
+                        - p.guard_sigmas * future.sigma_m[:count],
+                        0.0,
+                    )
+                    ** 2
+                    + above[:count] ** 2
+                ).min()
+            )
+            for future in futures
+        )
+
+
+def monitor_text(monitor: SeparationMonitor, refused_s: float) -> str:
+    """Return a monitor's state as JSON; ``refused_s``: the stamp of a list that did not pass."""
+    return json.dumps({"alert": monitor.alert, "reason": monitor.reason, "refused_s": refused_s})
