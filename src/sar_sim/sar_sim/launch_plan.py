@@ -15,8 +15,8 @@ class FlightOptions:
     """What was asked for on the command line.
 
     ``helicopter``: ``sim``, ``topic``, or the path of a track. ``autopilot``: a URL, empty for the
-    simulated UAV. ``speed``: times real time, None for the default. ``watch_only``: the monitor says
-    what it sees and does nothing.
+    simulated UAV. ``speed``: times real time, None for the default. ``watch_only``: the monitor
+    says what it sees and does nothing.
     """
 
     helicopter: str = "sim"
