@@ -116,15 +116,44 @@ def test_sigterm_does_the_same(launch):
     assert (flight.out / "report.html").exists()
 
 
-def test_a_node_that_dies_stops_the_run_with_its_name(launch):
+def test_simulation_that_dies_stops_the_run_with_its_name(launch):
     flight = launch("--scenario", "short")
     await_true(lambda: bag_size(flight) > 300_000)
-    os.kill(flight.nodes()["planner"], signal.SIGKILL)
+    os.kill(flight.nodes()["sim"], signal.SIGKILL)
     code, _, errors = flight.wait()
     assert code == 1
-    assert "node planner ended with exit code -9" in errors
-    assert "list 1: leg" in errors  # its last lines
+    assert "node sim ended with exit code -9" in errors
     assert (flight.out / "report.html").exists()
+
+
+def test_nodes_that_are_killed_are_started_again_and_take_up_their_work(launch):
+    speed = 5.0
+    flight = launch("--scenario", "short", "--speed", str(speed))
+    await_true(lambda: bag_size(flight) > 500_000)
+    victims = ("planner", "monitor", "bridge", "estimator")
+    for name in victims:
+        old = flight.nodes()[name]
+        os.kill(old, signal.SIGKILL)
+        await_true(lambda name=name, old=old: flight.nodes().get(name, old) != old)
+        time.sleep(4.0)
+    code, _, errors = flight.wait(150.0)
+    assert code == 0
+    told = {name: [] for name in victims}
+    lists = []
+    for topic, time_s, message in read_messages(flight.out / "bag"):
+        if topic == "/uav/uploaded":
+            lists.append(time_s)
+        if topic == "/diagnostics":
+            for status in message.status:
+                if status.name in told:
+                    told[status.name].append(time_s)
+    for name in victims:
+        assert f"node {name} ended with exit code -9: started again" in errors
+        assert np.diff(told[name]).max() / speed < 5.0, name
+    found = metrics(flight.out)
+    assert found["min_separation_m"] > 150.0
+    assert abs(found["lag_m"][1]) < 0.25 * abs(found["lag_m"][0])
+    assert max(lists) > 150.0  # it was still led after the last of them
 
 
 def test_a_launcher_that_is_killed_leaves_nothing_running(launch):

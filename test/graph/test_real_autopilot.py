@@ -1,7 +1,11 @@
 """The graph with an autopilot that is not its own: nothing is flown before an operator engages."""
 
+import json
+import os
 import re
+import signal
 import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -36,10 +40,16 @@ class Vehicle(threading.Thread):
             speed_mps=20.0,
             datum=Datum(scenario.datum.latitude_deg, scenario.datum.longitude_deg),
         )
-        self.link = AutopilotLink(
-            AutopilotServer(self.autopilot, scenario.datum), port, time.monotonic
-        )
+        self.heartbeats = []
+        server = AutopilotServer(self.autopilot, scenario.datum)
+        self.handle, server.handle = server.handle, self.hear
+        self.link = AutopilotLink(server, port, time.monotonic)
         self.running = True
+
+    def hear(self, message, now_s):
+        if message.get_type() == "HEARTBEAT":
+            self.heartbeats.append(now_s)
+        return self.handle(message, now_s)
 
     def run(self):
         begun, steps = time.monotonic(), 0
@@ -110,6 +120,90 @@ def test_engage_release_engage_and_return_home(launch):
     assert (code, errors) == (0, "")
 
 
+def test_a_planner_that_hangs_stops_the_heartbeats_until_it_is_started_again(launch):
+    port = free_port()
+    vehicle = Vehicle(port)
+    flight = launch("--autopilot", f"udp:127.0.0.1:{port}")
+    vehicle.start()
+    try:
+        await_true(lambda: operator(flight, "engage")[0] == 0)
+        await_true(lambda: vehicle.autopilot.mode is FlightMode.AUTO)
+        time.sleep(3.0)
+        hung = flight.nodes()["planner"]
+        os.kill(hung, signal.SIGSTOP)
+        begun = time.monotonic()
+        await_true(lambda: time.monotonic() - vehicle.heartbeats[-1] > 2.5, timeout_s=12.0)
+        assert vehicle.heartbeats[-1] - begun < 6.0
+        await_true(lambda: flight.nodes().get("planner", hung) != hung, timeout_s=15.0)
+        again = time.monotonic()
+        await_true(lambda: vehicle.heartbeats[-1] > again, timeout_s=6.0)
+        lists = len(vehicle.autopilot.items)
+        assert lists > 0
+        await_true(lambda: "engaged" in operator(flight, "engage")[1])  # it is led again: no harm
+        assert vehicle.autopilot.mode is FlightMode.AUTO
+    finally:
+        vehicle.running = False
+        vehicle.join(timeout=5.0)
+    flight.process.terminate()
+    _, _, errors = flight.wait()
+    assert "node planner hangs: killed" in errors
+    modes = [m.data for t, _, m in read_messages(flight.out / "bag") if t == "/planner/mode"]
+    assert "idle" in modes[2:]  # the new planner's first word
+    assert modes[-1] != "idle"
+
+
+CROSSING = """
+import sys, time
+import numpy as np
+import rclpy
+from nav_msgs.msg import Path
+from sar_estimator import topics
+from sar_estimator.messages import points_to_path
+from sar_estimator.node_support import LATCHED
+rclpy.init()
+node = rclpy.create_node("stranger")
+sender = node.create_publisher(Path, topics.WAYPOINTS, LATCHED)
+deadline = time.monotonic() + 10.0
+while sender.get_subscription_count() < 2 and time.monotonic() < deadline:
+    time.sleep(0.1)  # the monitor and the recorder
+sender.publish(points_to_path(np.array([[0.0, 300.0], [-50.0, 3000.0]]), 777.0))
+time.sleep(1.0)
+"""
+
+
+def test_a_list_along_the_helicopters_own_track_does_not_reach_the_autopilot(launch):
+    port = free_port()
+    vehicle = Vehicle(port)
+    flight = launch("--autopilot", f"udp:127.0.0.1:{port}")
+    vehicle.start()
+    try:
+        await_true(lambda: operator(flight, "engage")[0] == 0)
+        await_true(lambda: vehicle.autopilot.mode is FlightMode.AUTO)
+        time.sleep(2.0)
+        subprocess.run(
+            [sys.executable, "-c", CROSSING], env=flight.environment, timeout=60, check=True
+        )
+        time.sleep(2.0)
+    finally:
+        vehicle.running = False
+        vehicle.join(timeout=5.0)
+    flight.process.terminate()
+    code, _, _ = flight.wait()
+    assert code == 0
+    told, cleared, offered = [], [], []
+    for topic, _, message in read_messages(flight.out / "bag"):
+        if topic == topics.MONITOR:
+            told.append(json.loads(message.data))
+        elif topic == topics.CLEARED:
+            cleared.append(message.header.stamp.sec)
+        elif topic == topics.WAYPOINTS:
+            offered.append(message.header.stamp.sec)
+    assert 777 in offered
+    assert 777 not in cleared
+    assert cleared
+    assert any(t["refused_s"] == 777.0 and "list refused: " in t["reason"] for t in told)
+
+
 def times_by_autopilot(bag):
     """Return pairs of the autopilot's clock and the recording's [s]."""
     return np.array(
@@ -138,7 +232,8 @@ def test_the_graphs_clock_is_the_autopilots(launch):
     assert (flight.out / "report.html").exists()
     assert not list(read_messages(flight.out / "bag", {topics.TRUE_UAV}))
     autopilots, recordings = times_by_autopilot(flight.out / "bag").T
-    begun = recordings > recordings[0]  # the clock stands until the graph is complete
+    # The clock stands until the graph is complete; the recorder may not even have heard it.
+    begun = recordings > recordings[0] + 1.0
     autopilots, recordings = autopilots[begun], recordings[begun]
     assert autopilots[-1] - autopilots[0] > 30.0
     behind = recordings - recordings[0] - (autopilots - autopilots[0])

@@ -207,6 +207,7 @@ class BridgeNode(Node):
                     "mode": state.mode,
                     "armed": state.armed,
                     "connected": self._session.connected(now),
+                    "led": self._session.leading,
                 }
             )
         if text != self._told_state:

@@ -55,6 +55,7 @@ class MonitorNode(Node):
         self._uav_up_m = self._datum_m = 0.0
         self._refused_s = 0.0
         self._led = False
+        self._early: Path | None = None
         self._told = ""
         self._senders = {
             topic: self.create_publisher(kind, topic, qos)
@@ -150,8 +151,11 @@ class MonitorNode(Node):
             self._senders[topics.CLEARED].publish(message)
             self._tell()
             return
-        stamp = from_stamp(message.header.stamp)
-        if self._monitor.passes(path_to_points(message), stamp, now_s(self)):
+        stamp, now = from_stamp(message.header.stamp), now_s(self)
+        self._early = None
+        if self._monitor.unseen:
+            self._early = message
+        elif self._monitor.passes(path_to_points(message), stamp, now):
             self._refused_s = 0.0
             self._senders[topics.CLEARED].publish(message)
         else:
@@ -160,6 +164,8 @@ class MonitorNode(Node):
         self._tell()
 
     def _guard(self) -> None:
+        if self._early is not None and not self._monitor.unseen:
+            self._on_list(self._early)
         if not self._led:
             return
         now = now_s(self)

@@ -211,6 +211,11 @@ class SeparationMonitor:
         self._cleared.clear()
         self.alert, self.nearest, self.reason = Alert.NONE, NO_APPROACH, ""
 
+    @property
+    def unseen(self) -> bool:
+        """Whether one of the aircraft was never seen yet."""
+        return self.uav is None or self.helicopter.motion is None
+
     def _unknown(self, now_s: float) -> str:
         """Return which position is missing or old, empty when both are known."""
         for name, motion in (("helicopter", self.helicopter.motion), ("UAV", self.uav)):

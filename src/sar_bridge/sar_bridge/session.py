@@ -206,9 +206,8 @@ class AutopilotSession:
     def tick(self, now_s: float) -> Messages:
         """Return what is due: heartbeats, repeats, and a list that failed before."""
         out: Messages = []
-        leading = self._points is not None and not self.released
         due = now_s - self._heartbeat_sent_s >= HEARTBEAT_PERIOD_S
-        if due and not (leading and self.silent):
+        if due and not (self.leading and self.silent):
             self._heartbeat_sent_s = now_s
             out.append(ground_heartbeat())
         if self._upload is not None and self._commands is not None:
@@ -240,6 +239,11 @@ class AutopilotSession:
 
     # What is known -----------------------------------------------------------------------------
 
+    @property
+    def leading(self) -> bool:
+        """Whether a list is to be flown, and nobody has taken the UAV since."""
+        return self._points is not None and not self.released
+
     def connected(self, now_s: float) -> bool:
         """Whether the autopilot's heartbeat is fresh."""
         return now_s - self.state.heartbeat_s < LINK_TIMEOUT_S
@@ -250,7 +254,7 @@ class AutopilotSession:
             return "no autopilot heard"
         if not self.connected(now_s):
             return "autopilot's heartbeat lost"
-        if self.silent and self._points is not None:
+        if self.silent and self.leading:
             return f"no heartbeats to the autopilot: node {self.silent} is silent"
         if self.released:
             return f"released: mode {self.state.mode} was chosen by somebody else"

@@ -157,7 +157,10 @@ def status_from_text(text: str) -> UavStatus:
     try:
         values = json.loads(text)
         return UavStatus(
-            str(values["mode"]), armed=bool(values["armed"]), connected=bool(values["connected"])
+            str(values["mode"]),
+            armed=bool(values["armed"]),
+            connected=bool(values["connected"]),
+            led=bool(values.get("led", False)),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise ValueError(f"{text[:80]!r}: expected mode, armed and connected") from error

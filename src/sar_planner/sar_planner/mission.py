@@ -27,11 +27,15 @@ ENGAGE_MODES = ("AUTO", "GUIDED")
 
 @dataclass(frozen=True, slots=True)
 class UavStatus:
-    """What the autopilot says of itself: flight mode, arming, and whether it is heard."""
+    """What the autopilot says of itself: flight mode, arming, and whether it is heard.
+
+    ``led``: whether the bridge has a list of ours flown.
+    """
 
     mode: str = ""
     armed: bool = False
     connected: bool = False
+    led: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +87,7 @@ class MissionPlanner:
         self._lists = 0
         self._told_mps = 0.0
         self._retry_s = -math.inf
+        self._new = True
 
     # What is known -----------------------------------------------------------------------------
 
@@ -180,6 +185,7 @@ class MissionPlanner:
         reason = self._not_flying() or self.obstacle(now_s) or unfit
         if not reason and not self.engaged:
             self.engaged = True
+            self._new = False
             self._told_mps = 0.0
             self._pilot.begin()
             self._in_auto = self.status.mode == "AUTO"
@@ -197,6 +203,7 @@ class MissionPlanner:
 
     def disengage(self) -> None:
         """Stop leading the UAV."""
+        self._new = False
         self._pilot.end()
         self.engaged = False
         self.list = None
@@ -275,6 +282,8 @@ class MissionPlanner:
 
     def update(self, now_s: float) -> WaypointList | None:
         """Return a new waypoint list when one is due."""
+        if self._new and self.status.led and self.status.mode == "AUTO":
+            self.engage(now_s)  # the UAV was being led when this planner was started
         if not self.engaged:
             return None
         self.problem = self.obstacle(now_s)

@@ -40,6 +40,10 @@ from sar_sim.scenario import Scenario, ScenarioError, scenario_document
 from sar_sim.tracks import load_track
 
 TELL_TERMINAL_S, TELL_FILE_S = 0.5, 5.0
+RESTARTS = 5
+SETTLED_S = 3.0
+HANGS_S = 10.0
+KEPT_GOING = ("estimator", "planner", "monitor", "bridge")
 
 
 class Watcher(Node):
@@ -50,14 +54,22 @@ class Watcher(Node):
         super().__init__("launch")
         self.values: dict[str, dict[str, str]] = {}
         self.problems: dict[str, str] = {}
+        self.heard_s: dict[str, float] = {}
         self.create_subscription(DiagnosticArray, topics.DIAGNOSTICS, self._on, RELIABLE)
 
     def _on(self, message: DiagnosticArray) -> None:
         for status in message.status:
+            self.heard_s[status.name] = time.monotonic()
             self.values[status.name] = {item.key: item.value for item in status.values}
             self.values[status.name]["time_s"] = str(message.header.stamp.sec)
             bad = int.from_bytes(status.level, "little") > 0
             self.problems[status.name] = status.message if bad else ""
+
+    def hangs(self, name: str) -> bool:
+        """Whether a node has said nothing for long while others have: the clock goes on."""
+        now, heard = time.monotonic(), self.heard_s
+        others = max((at for other, at in heard.items() if other != name), default=0.0)
+        return now - heard.get(name, now) > HANGS_S and now - others < 0.2 * HANGS_S
 
     def line(self, bag: Path) -> str:
         """Return progress in one line."""
@@ -91,17 +103,37 @@ class Flight:
         logs.mkdir(exist_ok=True)
         self._specs, self._parameters, self._logs = specs, parameters, logs
         self.nodes: list[NodeProcess] = []
+        self.restarts = 0
 
     def start(self) -> None:
         """Start every node, unless the flight shall end already."""
         for spec in self._specs:
             if self.stopped_by:
                 return
-            program = Path(get_package_prefix(spec.package), "lib", spec.package, spec.executable)
-            command = [str(program), "--ros-args", "--params-file", str(self._parameters)]
-            self.nodes.append(
-                NodeProcess(spec.executable, command, self._logs / f"{spec.executable}.log")
-            )
+            self.nodes.append(self._run(spec))
+
+    def _run(self, spec: NodeSpec) -> NodeProcess:
+        program = Path(get_package_prefix(spec.package), "lib", spec.package, spec.executable)
+        command = [str(program), "--ros-args", "--params-file", str(self._parameters)]
+        return NodeProcess(spec.executable, command, self._logs / f"{spec.executable}.log")
+
+    def restart(self, node: NodeProcess) -> bool:
+        """Start a node again that has ended in flight; return False where that is no use.
+
+        It takes up its work from latched topics. One that ends at once, or by its own decision,
+        would do so again.
+        """
+        hopeless = node.exit_code in (0, 2) or node.age_s < SETTLED_S
+        if node.name not in KEPT_GOING or hopeless or self.restarts >= RESTARTS:
+            return False
+        self.restarts += 1
+        sys.stderr.write(
+            f"launch: node {node.name} ended with exit code {node.exit_code}: started again; "
+            f"its last lines:\n{node.last_lines()}\n"
+        )
+        spec = next(item for item in self._specs if item.executable == node.name)
+        self.nodes[self.nodes.index(node)] = self._run(spec)
+        return True
 
     def on_signal(self, number: int, _frame: FrameType | None) -> None:
         """Note that the flight shall end."""
@@ -112,14 +144,18 @@ class Flight:
         return next((node for node in self.nodes if node.exit_code is not None), None)
 
     def watch(self, watcher: Watcher) -> NodeProcess | None:
-        """Show progress until a node ends or a signal comes; return the node."""
+        """Show progress until a node ends for good or a signal comes; return the node."""
         terminal = sys.stdout.isatty()
         told = 0.0
         while not self.stopped_by:
             ended = self.ended()
-            if ended is not None:
+            if ended is not None and not self.restart(ended):
                 return ended
             rclpy.spin_once(watcher, timeout_sec=0.1)
+            for node in self.nodes:
+                if node.name in KEPT_GOING and node.age_s > HANGS_S and watcher.hangs(node.name):
+                    sys.stderr.write(f"launch: node {node.name} hangs: killed\n")
+                    node.kill()
             if time.monotonic() - told > (TELL_TERMINAL_S if terminal else TELL_FILE_S):
                 told = time.monotonic()
                 text = watcher.line(self.bag)

@@ -6,6 +6,7 @@ import ctypes
 import os
 import signal
 import subprocess
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -24,8 +25,9 @@ class NodeProcess:
     def __init__(self, name: str, command: Sequence[str], log: Path) -> None:
         """Start it, away from the terminal's signals: the launcher passes them on in order."""
         self.name, self.log = name, log
+        self._begun_s = time.monotonic()
         environment = dict(os.environ, PYTHONUNBUFFERED="1", OPENBLAS_NUM_THREADS="1")
-        with log.open("wb") as stream:
+        with log.open("ab") as stream:
             self._process = subprocess.Popen(  # noqa: S603
                 list(command),
                 stdin=subprocess.DEVNULL,
@@ -41,10 +43,20 @@ class NodeProcess:
         """The exit code, None while it runs."""
         return self._process.poll()
 
+    @property
+    def age_s(self) -> float:
+        """How long ago it was started [s]."""
+        return time.monotonic() - self._begun_s
+
     def last_lines(self) -> str:
         """Return the end of its log."""
         text = self.log.read_text(encoding="utf-8", errors="replace")
         return "\n".join(text.splitlines()[-LAST_LINES:])
+
+    def kill(self) -> None:
+        """End it at once."""
+        self._process.kill()
+        self._process.wait()
 
     def stop(self, patience_s: float = 10.0) -> bool:
         """Ask it to end, then make it; return whether it ended by itself."""
@@ -54,8 +66,7 @@ class NodeProcess:
         try:
             self._process.wait(timeout=patience_s)
         except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+            self.kill()
             return False
         return True
 
