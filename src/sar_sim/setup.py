@@ -37,6 +37,7 @@ setup(
             "rules_figure = sar_sim.rules_figure_cli:main",
             "detection = sar_sim.detection_cli:main",
             "report = sar_sim.report_cli:main",
+            "faults = sar_sim.faults_cli:main",
             "fly = sar_sim.fly_cli:main",
             "launch = sar_sim.launch_cli:main",
         ],

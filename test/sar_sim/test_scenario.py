@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from sar_sim.options import add_flight_options, find_scenario, new_run_folder, scenario_from
-from sar_sim.scenario import Scenario, ScenarioError, load_scenario, scenario_document
+from sar_sim.scenario import Fault, Scenario, ScenarioError, load_scenario, scenario_document
 
 SHIPPED = sorted((Path(__file__).parents[2] / "config" / "scenarios").glob("*.yaml"))
 
@@ -44,6 +44,22 @@ def test_paper_scenario_is_the_default():
         ("datum: {latitude_deg: 5}", "datum.longitude_deg: missing"),
         ("sensor: {footprint: star}", "sensor.footprint = star: expected disc or square"),
         ("wind: {speed_mps: true}", "wind.speed_mps = True: expected a number"),
+        ("faults: {}", "faults = {}: expected a list"),
+        ("faults: [7]", "faults[0] = 7: expected a mapping"),
+        ("faults: [{component: gps, kind: off}]", "faults[0].at_s: missing"),
+        (
+            "faults: [{component: gps, kind: loud, at_s: 1}]",
+            "faults[0].kind = loud: expected one of off, stuck, garbage",
+        ),
+        (
+            "faults: [{component: radio, kind: stuck, at_s: 1}]",
+            "faults[0].kind = stuck: expected one of off, slow, intermittent",
+        ),
+        (
+            "faults: [{component: gps, kind: off, at_s: 1}, {component: x, kind: off, at_s: 1}]",
+            "faults[1].component = x: expected one of gps, radio",
+        ),
+        ("faults: [{component: gps, kind: off, at_s: -1}]", "faults[0].at_s = -1.0: expected 0"),
         ("{", "not YAML"),
         ("[1]", "expected a mapping"),
     ],
@@ -54,6 +70,13 @@ def test_bad_scenarios_name_file_key_value_and_expectation(tmp_path, text, messa
     assert str(error.value).startswith(str(tmp_path / "s.yaml"))
     assert message in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_faults_are_written_back_the_same(tmp_path):
+    text = "faults: [{component: gps, kind: wrong, at_s: 60, for_s: 20, size: 150}]"
+    scenario = load(tmp_path, text)
+    assert scenario.faults == [Fault("gps", "wrong", 60.0, 20.0, 150.0)]
+    assert load(tmp_path, yaml.safe_dump(scenario_document(scenario))) == scenario
 
 
 def test_unknown_names_list_the_known(tmp_path):

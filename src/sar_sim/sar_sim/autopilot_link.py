@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 from sar_bridge.link import Link
 from sar_sim.autopilot_server import AutopilotServer
+from sar_sim.faults import FaultyRadio
 
 HOLD_WAIT_S = 0.002
 MAX_HOLD_S = 2.0
@@ -22,9 +23,17 @@ class Monotonic(Protocol):
 class AutopilotLink:
     """Answers the ground station and sends telemetry."""
 
-    def __init__(self, server: AutopilotServer, port: int, clock: Monotonic) -> None:
-        """Send to a ground station at UDP ``port`` of loopback."""
+    def __init__(
+        self,
+        server: AutopilotServer,
+        port: int,
+        clock: Monotonic,
+        radio: FaultyRadio | None = None,
+    ) -> None:
+        """Send to a ground station at UDP ``port`` of loopback; ``radio`` may lose messages."""
         self._server, self._clock = server, clock
+        self._radio = radio or FaultyRadio([], 0)
+        self._time_s = 0.0
         self._link = Link(f"udpout:127.0.0.1:{port}", system=1, component=1)
 
     @property
@@ -36,12 +45,18 @@ class AutopilotLink:
         """Answer at once what comes within ``timeout_s`` [s]."""
         now = self._clock()
         for message in self._link.receive(timeout_s):
-            self._link.send(self._server.handle(message, now))
-        self._link.send(self._server.tick(now))
+            if self._radio.gets_through(self._time_s):
+                self._send(self._server.handle(message, now))
+        self._send(self._server.tick(now))
+
+    def _send(self, messages: list[Any]) -> None:
+        through = [item for item in messages if self._radio.gets_through(self._time_s)]
+        self._link.send(through)
 
     def report(self, time_s: float) -> None:
         """Send the telemetry due at the simulation's ``time_s`` [s]."""
-        self._link.send(self._server.telemetry(time_s))
+        self._time_s = time_s
+        self._send(self._server.telemetry(time_s))
 
     def hold(self) -> float:
         """Serve a mission transfer to its end; return for how long [s].

@@ -21,9 +21,11 @@ from rclpy.signals import SignalHandlerOptions
 
 from sar_bridge.link import opener
 from sar_estimator import topics
+from sar_estimator.messages import from_stamp
 from sar_estimator.node_support import RELIABLE
 from sar_planner.parameters import ParameterError
 from sar_planner.rule_sets import RULE_SETS, make_rule_set
+from sar_sim.faults import NodeFaults
 from sar_sim.home_link import home_of
 from sar_sim.launch_plan import FlightOptions, NodeSpec, parameter_document, plan_nodes, read_tuned
 from sar_sim.options import (
@@ -43,6 +45,7 @@ TELL_TERMINAL_S, TELL_FILE_S = 0.5, 5.0
 RESTARTS = 5
 SETTLED_S = 3.0
 HANGS_S = 10.0
+FAULT_SIGNALS = {"kill": signal.SIGKILL, "stop": signal.SIGSTOP, "go on": signal.SIGCONT}
 KEPT_GOING = ("estimator", "planner", "monitor", "bridge")
 
 
@@ -55,9 +58,11 @@ class Watcher(Node):
         self.values: dict[str, dict[str, str]] = {}
         self.problems: dict[str, str] = {}
         self.heard_s: dict[str, float] = {}
+        self.newest_s = 0.0
         self.create_subscription(DiagnosticArray, topics.DIAGNOSTICS, self._on, RELIABLE)
 
     def _on(self, message: DiagnosticArray) -> None:
+        self.newest_s = max(self.newest_s, from_stamp(message.header.stamp))
         for status in message.status:
             self.heard_s[status.name] = time.monotonic()
             self.values[status.name] = {item.key: item.value for item in status.values}
@@ -93,7 +98,7 @@ class Watcher(Node):
 class Flight:
     """The running nodes of one flight."""
 
-    def __init__(self, specs: list[NodeSpec], out: Path) -> None:
+    def __init__(self, specs: list[NodeSpec], out: Path, faults: NodeFaults) -> None:
         """Write the parameters."""
         self.out, self.bag = out, out / "bag"
         self.stopped_by = ""
@@ -104,6 +109,7 @@ class Flight:
         self._specs, self._parameters, self._logs = specs, parameters, logs
         self.nodes: list[NodeProcess] = []
         self.restarts = 0
+        self._faults = faults
 
     def start(self) -> None:
         """Start every node, unless the flight shall end already."""
@@ -152,6 +158,10 @@ class Flight:
             if ended is not None and not self.restart(ended):
                 return ended
             rclpy.spin_once(watcher, timeout_sec=0.1)
+            for name, action in self._faults.due(watcher.newest_s):
+                for node in self.nodes:
+                    if node.name == name:
+                        node.signal(FAULT_SIGNALS[action])
             for node in self.nodes:
                 if node.name in KEPT_GOING and node.age_s > HANGS_S and watcher.hangs(node.name):
                     sys.stderr.write(f"launch: node {node.name} hangs: killed\n")
@@ -190,10 +200,10 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def prepare(args: argparse.Namespace) -> tuple[list[NodeSpec], Path]:
+def prepare(args: argparse.Namespace) -> Flight:
     """Check everything that was asked for before anything is started.
 
-    Returns the nodes and the results folder. Raises ``ValueError`` in one line.
+    Raises ``ValueError`` in one line.
     """
     options = FlightOptions(
         args.helicopter,
@@ -220,14 +230,15 @@ def prepare(args: argparse.Namespace) -> tuple[list[NodeSpec], Path]:
     out = new_run_folder(args.out).resolve()
     flown = out / "scenario.yaml"
     flown.write_text(yaml.safe_dump(scenario_document(scenario)), encoding="utf-8")
-    return plan_nodes(scenario, flown, options, bag=out / "bag", port=free_port(), tuned=tuned), out
+    specs = plan_nodes(scenario, flown, options, bag=out / "bag", port=free_port(), tuned=tuned)
+    return Flight(specs, out, NodeFaults(scenario.faults, KEPT_GOING))
 
 
 def main(argv: list[str] | None = None) -> int:
     """Fly; 0 when it ended in order, 1 when a node failed, 2 on bad input."""
     args = _arguments(argv)
     try:
-        specs, out = prepare(args)
+        flight = prepare(args)
     except (OSError, ValueError, ParameterError) as error:
         sys.stderr.write(f"launch: {error}\n")
         return 2
@@ -236,7 +247,6 @@ def main(argv: list[str] | None = None) -> int:
     os.environ.setdefault("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     watcher = Watcher()
-    flight = Flight(specs, out)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, flight.on_signal)
     failed = None
@@ -258,8 +268,8 @@ def main(argv: list[str] | None = None) -> int:
     if flight.stopped_by:
         sys.stdout.write(f"stopped by {flight.stopped_by}\n")
     try:
-        metrics = write_report(flight.bag, out)
-        sys.stdout.write(f"{summary_line(metrics)}\n{out}/report.html\n")
+        metrics = write_report(flight.bag, flight.out)
+        sys.stdout.write(f"{summary_line(metrics)}\n{flight.out}/report.html\n")
     except Exception as error:  # noqa: BLE001 - a cut bag may hold anything
         sys.stderr.write(f"launch: no report: {error}\n")
         return 1

@@ -53,6 +53,11 @@ class NodeProcess:
         text = self.log.read_text(encoding="utf-8", errors="replace")
         return "\n".join(text.splitlines()[-LAST_LINES:])
 
+    def signal(self, number: signal.Signals) -> None:
+        """Send it a signal, if it still runs."""
+        if self._process.poll() is None:
+            self._process.send_signal(number)
+
     def kill(self) -> None:
         """End it at once."""
         self._process.kill()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import MISSING, asdict, dataclass, field, fields, is_dataclass
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 import yaml
 
@@ -13,6 +13,15 @@ from sar_estimator.geodesy import Datum
 from sar_estimator.plane import blown_mps
 from sar_planner.parameters import CornerParameters
 
+# What can fail, and how, in PX4's words.
+FAULTS: dict[str, tuple[str, ...]] = {
+    "gps": ("off", "stuck", "garbage", "wrong", "slow", "delayed", "intermittent"),
+    "radio": ("off", "slow", "intermittent"),
+    "estimator": ("off", "stuck"),
+    "planner": ("off", "stuck"),
+    "monitor": ("off", "stuck"),
+    "bridge": ("off", "stuck"),
+}
 ODD_ACTIONS = ("other_way", "go_on", "break_off")
 # What a preset of the autopilot changes of the defaults.
 AUTOPILOTS: dict[str, dict[str, float]] = {
@@ -162,6 +171,32 @@ class Wind:
 
 
 @dataclass(frozen=True, slots=True)
+class Fault:
+    """Something that fails: ``component``, and how: ``kind``, from ``at_s`` on for ``for_s``.
+
+    ``size``: of gps wrong the error [m], delayed the delay [s]; of slow one in how many gets
+    through; of intermittent the share that is lost. A node that is off is killed, one that is stuck
+    is stopped (and the launcher, not the simulation, does that).
+    """
+
+    component: str
+    kind: str
+    at_s: float
+    for_s: float = 30.0
+    size: float = 0.5
+
+    def __post_init__(self) -> None:
+        """Check what is asked for."""
+        known = ", ".join(FAULTS)
+        _expect("component", self.component, f"one of {known}", ok=self.component in FAULTS)
+        kinds = FAULTS[self.component]
+        _expect("kind", self.kind, f"one of {', '.join(kinds)}", ok=self.kind in kinds)
+        for name in ("at_s", "for_s", "size"):
+            value = getattr(self, name)
+            _expect(name, value, "0 or more", ok=value >= 0.0)
+
+
+@dataclass(frozen=True, slots=True)
 class Scenario:
     """A whole mission."""
 
@@ -175,6 +210,7 @@ class Scenario:
     uav: Uav = field(default_factory=Uav)
     wind: Wind = field(default_factory=Wind)
     arc_spacing_m: float = 10.0
+    faults: list[Fault] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Check every bound that the types do not."""
@@ -295,6 +331,12 @@ def _convert(key: str, value: object, wanted: object) -> Any:
     """Return a YAML value as a field's type. Raises ``ScenarioError`` naming the key."""
     if isinstance(wanted, type) and is_dataclass(wanted):
         return _build(wanted, value, key)
+    if get_origin(wanted) is list:
+        if not isinstance(value, list):
+            raise ScenarioError(f"{key} = {value!r}: expected a list")
+        return [_convert(f"{key}[{i}]", item, get_args(wanted)[0]) for i, item in enumerate(value)]
+    if wanted is str and isinstance(value, bool):
+        value = "on" if value else "off"  # what YAML 1.1 makes of these words
     if wanted is str and isinstance(value, str):
         return value
     if value is None and wanted == (float | None):
@@ -324,7 +366,10 @@ def _build(kind: Any, value: object, prefix: str) -> Any:
             raise ScenarioError(f"{prefix}.{item.name}: missing")
     if kind is Uav:
         given = {**AUTOPILOTS.get(given.get("autopilot", ""), {}), **given}
-    return kind(**given)
+    try:
+        return kind(**given)
+    except ScenarioError as error:
+        raise ScenarioError(f"{prefix}.{error}" if prefix else str(error)) from error
 
 
 def load_scenario(path: Path) -> Scenario:

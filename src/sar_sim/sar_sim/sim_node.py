@@ -37,6 +37,7 @@ from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
 from sar_sim.autopilot_link import AutopilotLink
 from sar_sim.autopilot_server import AutopilotServer
+from sar_sim.faults import FaultyRadio
 from sar_sim.offline import corner_truth_text, scenario_text
 from sar_sim.pacer import AutopilotPacer, Pacer, RealTimePacer
 from sar_sim.scenario import Scenario, load_scenario
@@ -74,7 +75,8 @@ class SimNode(Node):
         if parameter(self, "uav", default=True):
             server = AutopilotServer(self._world.autopilot, self._world.datum)
             port = parameter(self, "mavlink_port", 14550)
-            self._link = AutopilotLink(server, port, time.monotonic)
+            radio = FaultyRadio(scenario.faults, scenario.gps.seed)
+            self._link = AutopilotLink(server, port, time.monotonic, radio)
         self._follower: AutopilotPacer | None = None
         if parameter(self, "follow_autopilot", default=False):
             self._follower = AutopilotPacer(self._speed)

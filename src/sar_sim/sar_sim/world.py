@@ -14,6 +14,7 @@ from sar_estimator.geodesy import Datum
 from sar_estimator.messages import motion_to_odometry
 from sar_estimator.plane import Pose
 from sar_sim.autopilot import SimAutopilot
+from sar_sim.faults import FaultyReceiver
 from sar_sim.gps import FixSource, NoReceiver, Reception, RecordedTrack, SimulatedGps
 from sar_sim.helicopter import CornerTruth, PatternHelicopter
 from sar_sim.scenario import Scenario
@@ -64,6 +65,8 @@ class World:
             recorded = RecordedTrack(good)
             self.source, self.epoch_s, self.end_s = recorded, recorded.start_s, recorded.end_s
             leader = _first_heading(good, self.datum)
+        if any(fault.component == "gps" for fault in scenario.faults):
+            self.source = FaultyReceiver(self.source, scenario.faults, scenario.gps.seed)
         side = scenario.pattern.turn_side
         start = leader.offset(-scenario.uav.lag_m, -side * scenario.corner.spacing_m)
         self.autopilot = SimAutopilot(

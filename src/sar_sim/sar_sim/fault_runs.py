@@ -1,0 +1,115 @@
+"""Flights of the whole graph with one fault each, and what came of them, from their bags."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from sar_estimator import topics
+from sar_sim.bag import read_messages
+from sar_sim.flight_data import read_flight
+from sar_sim.metrics import separation, true_lag_m
+from sar_sim.scenario import Fault, Pattern, Scenario
+
+AT_S = 60.0
+FIGURES = re.compile(r"[\d.]+")
+NODES = ("estimator", "planner", "monitor", "bridge")
+CASES: tuple[Fault, ...] = (
+    Fault("gps", "off", AT_S),
+    Fault("gps", "off", AT_S, 120.0),
+    Fault("gps", "stuck", AT_S),
+    Fault("gps", "garbage", AT_S),
+    Fault("gps", "wrong", AT_S, 30.0, 150.0),
+    Fault("gps", "slow", AT_S, 60.0, 4.0),
+    Fault("gps", "delayed", AT_S, 60.0, 3.0),
+    Fault("gps", "intermittent", AT_S, 60.0, 0.5),
+    Fault("radio", "off", AT_S),
+    Fault("radio", "slow", AT_S, 60.0, 3.0),
+    Fault("radio", "intermittent", AT_S, 60.0, 0.4),
+    *(Fault(name, "off", AT_S) for name in NODES),
+    *(Fault(name, "stuck", AT_S, 30.0) for name in NODES),
+)
+HEADER = (
+    "| fault | said first | after, s | what the UAV did | closest approach, m | L(k), m |\n"
+    "|---|---|---|---|---|---|"
+)
+
+
+@dataclass(frozen=True)
+class FaultRun:
+    """One flight: the fault, the first word about it, the UAV's modes, distances [m]."""
+
+    fault: Fault
+    said: str
+    after_s: float | None
+    modes: tuple[str, ...]
+    separation_m: float
+    lags_m: tuple[float, ...]
+
+    def row(self) -> str:
+        """Return it as a row of the table."""
+        fault = self.fault
+        size = f", {fault.size:g}" if fault.kind in ("wrong", "slow", "delayed") else ""
+        size = f", {fault.size:.0%}" if fault.kind == "intermittent" else size
+        length = "" if fault.component in NODES and fault.kind == "off" else f" {fault.for_s:g} s"
+        after = "–" if self.after_s is None else f"{self.after_s:.1f}"
+        lags = ", ".join(f"{lag:.0f}" for lag in self.lags_m)
+        return (
+            f"| {fault.component} {fault.kind}{size}{length} | {self.said or '–'} | {after} | "
+            f"{' → '.join(self.modes)} | {self.separation_m:.0f} | {lags} |"
+        )
+
+
+def fault_scenario(base: Scenario, fault: Fault) -> Scenario:
+    """Return a short square with one fault, half a minute before the first corner ends."""
+    return replace(
+        base,
+        name="fault",
+        pattern=Pattern(first_leg_m=1500.0, last_leg_m=1500.0, corners=3),
+        uav=replace(base.uav, lag_m=0.0),
+        faults=[fault],
+    )
+
+
+def fault_speed(fault: Fault) -> float:
+    """Return the speed to fly at: a node takes as long to start at any."""
+    return 4.0 if fault.component in NODES else 10.0
+
+
+def _problems(message: Any) -> list[str]:
+    return [
+        f"{status.name}: {status.message}"
+        for status in message.status
+        if status.level > 0  # rosbags reads an octet as a number
+    ]
+
+
+def read_run(fault: Fault, bag: Path) -> FaultRun:
+    """Return what came of a flight. Raises ``ValueError`` when the bag has no flight in it."""
+    data = read_flight(bag)
+    _, distances = separation(data)
+    said, after = "", None
+    modes: list[str] = []
+    known: set[str] = set()
+    alert = "none"
+    for topic, time_s, message in read_messages(
+        bag, {topics.DIAGNOSTICS, topics.MODE, topics.MONITOR}
+    ):
+        if topic == topics.MODE and (not modes or modes[-1] != message.data):
+            modes.append(message.data)
+        if topic == topics.MONITOR and json.loads(message.data)["alert"] != alert:
+            alert = json.loads(message.data)["alert"]
+            if alert == "escape":
+                modes.append("away")
+        if topic == topics.DIAGNOSTICS:
+            for problem in _problems(message):
+                kind = FIGURES.sub("", problem)
+                if time_s < fault.at_s:
+                    known.add(kind)
+                elif not said and kind not in known:
+                    said, after = problem, time_s - fault.at_s
+    lags = tuple(true_lag_m(data, corner) for corner in data.corners)
+    return FaultRun(fault, said, after, tuple(modes), float(distances.min()), lags)

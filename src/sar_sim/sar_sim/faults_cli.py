@@ -1,0 +1,67 @@
+"""``faults``: flies the whole graph with every fault in turn and prints what came of it."""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import yaml
+
+from sar_sim.fault_runs import CASES, HEADER, fault_scenario, fault_speed, read_run
+from sar_sim.options import find_scenario
+from sar_sim.scenario import Fault, Scenario, load_scenario, scenario_document
+
+PATIENCE_S = 400.0
+
+
+def fly(fault: Fault, base: Scenario, out: Path) -> Path:
+    """Fly the graph with a fault into ``out``; return the bag. Raises ``OSError`` if it failed."""
+    out.mkdir(parents=True)
+    file = out / "fault.yaml"
+    file.write_text(yaml.safe_dump(scenario_document(fault_scenario(base, fault))), "utf-8")
+    command = [sys.executable, "-m", "sar_sim.launch_cli", "--scenario", str(file)]
+    command += ["--speed", f"{fault_speed(fault):g}", "--out", str(out / "run")]
+    done = subprocess.run(  # noqa: S603
+        command, capture_output=True, text=True, timeout=PATIENCE_S, check=False
+    )
+    if done.returncode != 0:
+        raise OSError(f"{fault.component} {fault.kind}: the flight failed:\n{done.stderr}")
+    return out / "run" / "bag"
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Fly them and print the table, a row after each flight; 1 when one failed."""
+    parser = argparse.ArgumentParser(prog="faults", description=__doc__)
+    parser.add_argument("--scenario", default="arduplane", help="a scenario's name or YAML file")
+    parser.add_argument("--only", default="", help="components that begin with this")
+    parser.add_argument("--keep", type=Path, help="keep the flights in this folder")
+    args = parser.parse_args(argv)
+    chosen = [fault for fault in CASES if fault.component.startswith(args.only)]
+    failed = 0
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = args.keep or Path(scratch)
+        try:
+            base = load_scenario(find_scenario(args.scenario))
+            folder.mkdir(parents=True, exist_ok=True)
+        except (OSError, ValueError) as error:
+            sys.stderr.write(f"faults: {error}\n")
+            return 2
+        sys.stdout.write(HEADER + "\n")
+        for i, fault in enumerate(chosen):
+            out = folder / f"{i:02d}_{fault.component}_{fault.kind}"
+            try:
+                row = read_run(fault, fly(fault, base, out)).row()
+            except (OSError, ValueError, subprocess.TimeoutExpired) as error:
+                failed += 1
+                sys.stderr.write(f"faults: {error}\n")
+                continue
+            sys.stdout.write(row + "\n")
+            sys.stdout.flush()
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
