@@ -26,7 +26,7 @@ def ack(result=mavlink.MAV_MISSION_ACCEPTED, mission_type=0):
 
 def test_whole_transfer():
     upload = MissionUpload(TARGET)
-    (count,) = upload.start(items(3), "a", 0.0)
+    (count,) = upload.start(items(3), 7.5, 0.0)
     assert (count.get_type(), count.count) == ("MISSION_COUNT", 3)
     for seq in range(3):
         (item,) = upload.handle(request(seq), 0.1)
@@ -34,19 +34,19 @@ def test_whole_transfer():
         assert (item.target_system, item.target_component) == (1, 1)
     assert upload.handle(ack(), 0.2) == []
     assert upload.state is UploadState.ACCEPTED
-    assert upload.token == "a"
+    assert upload.token == 7.5
 
 
-def test_no_response_is_repeated_five_times_and_given_up():
+def test_no_response_is_repeated_eight_times_and_given_up():
     upload = MissionUpload(TARGET)
     upload.start(items(3), None, 0.0)
     now, sent = 0.0, 0
     while upload.active:
         now += 0.05
         sent += len(upload.tick(now))
-    assert sent == 5
-    assert now == pytest.approx(6 * 1.5, abs=0.5)
-    assert upload.failure == "no answer after 5 retries in state counting"
+    assert sent == 8
+    assert now == pytest.approx(9 * 1.5, abs=0.5)
+    assert upload.failure == "no answer after 8 retries in state counting"
 
 
 def test_item_is_repeated_after_a_quarter_of_a_second():
@@ -130,14 +130,14 @@ def test_other_mission_types_are_not_ours():
 
 def test_newer_list_supersedes():
     upload = MissionUpload(TARGET)
-    upload.start(items(5), "old", 0.0)
+    upload.start(items(5), 1.0, 0.0)
     upload.handle(request(0), 0.1)
-    upload.start(items(2, base=100), "new", 0.2)
+    upload.start(items(2, base=100), 2.0, 0.2)
     assert upload.handle(request(3), 0.25) == []  # the autopilot still asks for the old list
     assert upload.handle(request(0), 0.3)[0].x == 100
     upload.handle(request(1), 0.3)
     upload.handle(ack(), 0.4)
-    assert (upload.state, upload.token) == (UploadState.ACCEPTED, "new")
+    assert (upload.state, upload.token) == (UploadState.ACCEPTED, 2.0)
 
 
 def test_cancelled_upload_is_silent():

@@ -16,7 +16,8 @@ from sar_bridge.mission_items import MissionItem
 
 COUNT_TIMEOUT_S = 1.5
 ITEM_TIMEOUT_S = 0.25
-RETRIES = 5
+COUNT_RETRIES = 8
+ITEM_RETRIES = 20  # five seconds without progress: 40 % may get lost either way
 # ArduPilot says INVALID_SEQUENCE to an item it has already, and CANCELLED of a superseded list.
 GOES_ON = (mavlink.MAV_MISSION_INVALID_SEQUENCE, mavlink.MAV_MISSION_OPERATION_CANCELLED)
 
@@ -42,8 +43,8 @@ class Address:
 class MissionUpload:
     """Uploads one list at a time. Times are of any monotonic clock [s].
 
-    ``state`` tells how far it is, ``failure`` why it ended in ``FAILED``, ``token`` whatever the
-    caller attached to the list.
+    ``state`` tells how far it is, ``failure`` why it ended in ``FAILED``, ``token`` the stamp [s]
+    of the list.
     """
 
     def __init__(self, target: Address) -> None:
@@ -51,7 +52,7 @@ class MissionUpload:
         self.target = target
         self.state = UploadState.IDLE
         self.failure = ""
-        self.token: object = None
+        self.token = 0.0
         self.started_s = 0.0
         self.finished_s = 0.0
         self._items: list[MissionItem] = []
@@ -72,7 +73,7 @@ class MissionUpload:
         return self._first + len(self._items)
 
     def start(
-        self, items: list[MissionItem], token: object, now_s: float, *, at: int | None = None
+        self, items: list[MissionItem], token: float, now_s: float, *, at: int | None = None
     ) -> list[mavlink.MAVLink_message]:
         """Begin to upload ``items``, superseding any other; return what to send.
 
@@ -167,16 +168,17 @@ class MissionUpload:
         self.state, self.failure, self.finished_s = UploadState.FAILED, why, now_s
 
     def tick(self, now_s: float) -> list[mavlink.MAVLink_message]:
-        """Repeat what was not answered in time; give up after ``RETRIES``."""
+        """Repeat what was not answered in time; give up after so many tries."""
         if not self.active or self._last is None:
             return []
         limit = COUNT_TIMEOUT_S if self.state is UploadState.COUNTING else ITEM_TIMEOUT_S
+        retries = COUNT_RETRIES if self.state is UploadState.COUNTING else ITEM_RETRIES
         if self._highest_asked == self._end - 1:
-            limit = COUNT_TIMEOUT_S
+            limit, retries = COUNT_TIMEOUT_S, COUNT_RETRIES
         if now_s - self._sent_s < limit:
             return []
-        if self._tries >= RETRIES:
-            self._fail(f"no answer after {RETRIES} retries in state {self.state}", now_s)
+        if self._tries >= retries:
+            self._fail(f"no answer after {retries} retries in state {self.state}", now_s)
             return []
         self._tries += 1
         self._sent_s = now_s

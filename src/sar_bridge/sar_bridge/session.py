@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_bridge.autopilot_state import AutopilotState
@@ -74,6 +75,7 @@ class AutopilotSession:
         self._commands: CommandQueue | None = None
         self._points: FloatArray | None = None
         self._stamp_s = 0.0
+        self._sent: FloatArray = np.empty((0, 2))
         self._climb_m = 0.0
         self._datum: Datum | None = None
         self._engaging = False
@@ -275,7 +277,7 @@ class AutopilotSession:
         if self._upload.state is UploadState.FAILED:
             self._banks.forget()
         self._later = self._joining = False
-        self._begun_s = now_s
+        self._begun_s, self._sent = now_s, self._points
         if not self.state.ardupilot:
             altitude = self.altitude_m + self._climb_m
             items = waypoint_items(self._points, self._datum, altitude)[1:]
@@ -289,7 +291,8 @@ class AutopilotSession:
 
     def _write(self, write: Write, now_s: float) -> Messages:
         assert self._upload is not None
-        return self._upload.start(list(write.items), self._stamp_s, now_s, at=write.start)
+        token = self._upload.token if self._joining else self._stamp_s
+        return self._upload.start(list(write.items), token, now_s, at=write.start)
 
     def _accepted(self, now_s: float) -> Messages:
         """Go on after an upload: lead over to the list, or make it current and begin to fly it."""
@@ -308,10 +311,10 @@ class AutopilotSession:
                 return self._write(step, now_s)
             out += self._make_current(step.seq, now_s)
         elif not self._upload.partial:
-            ahead = first_ahead(self._points, motion)
+            ahead = first_ahead(self._sent, motion)
             out += self._make_current(ahead + (1 if self.state.ardupilot else 0), now_s)
         self._joining = False
-        self.uploaded = Uploaded(self._stamp_s, len(self._points), now_s - self._begun_s)
+        self.uploaded = Uploaded(self._upload.token, len(self._sent), now_s - self._begun_s)
         if self._engaging and self.state.mode == "GUIDED":
             out += self._mode_command("AUTO", now_s)
         self._engaging = False
