@@ -22,6 +22,7 @@ from std_srvs.srv import Trigger
 from sar_bridge.link import Link
 from sar_bridge.liveness import Liveness
 from sar_bridge.session import AutopilotSession, Messages
+from sar_bridge.signing import Signer
 from sar_estimator import topics
 from sar_estimator.geodesy import Datum
 from sar_estimator.messages import (
@@ -57,7 +58,8 @@ class BridgeNode(Node):
             raise ValueError(f"parameter node_timeout_s = {node_timeout}: expected 2 or more")
         self._liveness = Liveness(WATCHED, node_timeout)
         self._session = AutopilotSession(altitude_m=altitude, target_system=target)
-        self._link = Link(url)
+        key = parameter(self, "signing_key_file", "")
+        self._link = Link(url, signer=Signer(key, time.time()) if key else None)
         self._lock = threading.RLock()
         self._datum: Datum | None = None
         self._told_state = ""

@@ -12,6 +12,8 @@ from typing import Any, Protocol
 import serial
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sar_bridge.signing import Signer, VerifyingParser
+
 GROUND_SYSTEM = 255
 GROUND_COMPONENT = 190
 DEFAULT_BAUD = 57600
@@ -154,11 +156,22 @@ class Link:
     """
 
     def __init__(
-        self, url: str, *, system: int = GROUND_SYSTEM, component: int = GROUND_COMPONENT
+        self,
+        url: str,
+        *,
+        system: int = GROUND_SYSTEM,
+        component: int = GROUND_COMPONENT,
+        signer: Signer | None = None,
     ) -> None:
-        """Open the link; ``system`` and ``component`` sign what is sent."""
+        """Open the link; what is sent comes from ``system`` and ``component``.
+
+        With a ``signer`` everything sent is signed, and nothing unsigned is received.
+        """
         self._open = opener(url)
+        self._signer = signer
         self._mav = mavlink.MAVLink(None, srcSystem=system, srcComponent=component)
+        if signer is not None:
+            self._mav.signing = signer.state
         self._parser = self._new_parser()
         self._transport: Transport | None = None
         self._tried_s = time.monotonic()
@@ -170,10 +183,11 @@ class Link:
         except OSError as error:
             raise OSError(f"autopilot URL {url!r}: {error}") from error
 
-    @staticmethod
-    def _new_parser() -> Any:
-        parser = mavlink.MAVLink(None)
+    def _new_parser(self) -> Any:
+        parser = VerifyingParser(None)
         parser.robust_parsing = True
+        if self._signer is not None:
+            parser.signing = self._signer.state
         return parser
 
     def receive(self, timeout_s: float) -> list[Any]:
@@ -216,6 +230,9 @@ class Link:
 
     def send(self, messages: list[Any]) -> None:
         """Send messages; what cannot be sent is lost, as on any radio."""
+        if self._signer is not None:
+            with contextlib.suppress(OSError):  # a full disk is no reason to fall silent
+                self._signer.advance(time.time())
         for message in messages:
             data = message.pack(self._mav)
             transport = self._transport
