@@ -73,4 +73,14 @@ def test_a_reboot_goes_on_from_where_the_simulation_is():
 
 def test_a_speed_that_is_not_the_autopilots_is_named():
     with pytest.raises(ValueError, match=r"parameter speed = 10: expected 1, at which the auto"):
-        follow(AutopilotPacer(10.0), 1.0, seconds=8.0)
+        follow(AutopilotPacer(10.0), 1.0, seconds=12.0)
+
+
+def test_a_link_that_stood_and_delivers_all_at_once_is_no_other_speed():
+    pacer = AutopilotPacer(1.0)
+    for i in range(400):
+        real_s = 0.1 * i
+        # Between 20 and 23 s nothing is heard; then three seconds come at once.
+        heard_s = 23.0 if 20.0 < real_s < 23.0 else real_s
+        pacer.hear(0.1 * i, heard_s)
+    assert pacer.speed == pytest.approx(1.0)

@@ -12,6 +12,7 @@ from typing import Protocol
 MAX_SLIP_S = 0.5
 COAST_S = 0.25
 WINDOW_S = 5.0
+LASTS_S = 6.0
 SURE_S = 4.0
 SPEED_TOLERANCE = 0.1
 STANDS = math.inf
@@ -58,6 +59,7 @@ class AutopilotPacer:
         self._expected = expected_speed
         self._heard: deque[tuple[float, float]] = deque()
         self._offset_s: float | None = None
+        self._other_since_s = math.inf
 
     def hear(self, boot_s: float, real_s: float) -> None:
         """Take the autopilot's time since boot [s], heard at ``real_s``; back in time: a reboot.
@@ -72,7 +74,10 @@ class AutopilotPacer:
         while real_s - self._heard[0][1] > WINDOW_S:
             self._heard.popleft()
         speed, sure = self.speed, real_s - self._heard[0][1] >= SURE_S
-        if sure and speed is not None and abs(speed / self._expected - 1.0) > SPEED_TOLERANCE:
+        other = speed is not None and abs(speed / self._expected - 1.0) > SPEED_TOLERANCE
+        self._other_since_s = min(self._other_since_s, real_s) if other and sure else math.inf
+        # A link that stood and then delivers all at once is no other speed: that lasts.
+        if speed is not None and real_s - self._other_since_s >= LASTS_S:
             raise ValueError(
                 f"parameter speed = {self._expected:g}: expected {speed:.3g}, "
                 "at which the autopilot's clock runs"
