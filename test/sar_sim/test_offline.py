@@ -144,8 +144,9 @@ def test_bag_is_standard_and_holds_the_graphs_topics(flown):
     assert {
         "/datum", "/diagnostics", "/helicopter/accel", "/helicopter/corner", "/helicopter/fix",
         "/helicopter/leg", "/helicopter/odometry", "/helicopter/phase", "/helicopter/prediction",
-        "/planner/corner", "/planner/lag", "/planner/mission", "/planner/mode", "/sim/corner",
-        "/sim/helicopter", "/sim/scenario", "/sim/uav", "/uav/odometry", "/uav/waypoints",
+        "/monitor/state", "/planner/corner", "/planner/lag", "/planner/mission", "/planner/mode",
+        "/sim/corner", "/sim/helicopter", "/sim/scenario", "/sim/uav", "/uav/cleared",
+        "/uav/odometry", "/uav/waypoints",
     } == topics  # fmt: skip
 
 

@@ -307,12 +307,15 @@ class MissionPlanner:
         return self.list
 
     def _refused(self, now_s: float) -> str:
-        """Return why the newest list did not pass, empty when it did; a leg's is made again."""
+        """Return why the newest list did not pass, empty when it did.
+
+        A leg's or a hold's is made again after a while; a path is corrected as the UAV leaves it.
+        """
         if self.list is None or self.monitor.refused_s != self.list.time_s:
             return ""
-        if now_s > self._retry_s:
+        if now_s > self._retry_s and self.mode in (Mode.LEG, Mode.HOLD):
             self._retry_s = now_s + REFUSED_RETRY_S
-            self._pilot.lists.forget()
+            self._pilot.begin()
         return self.monitor.reason
 
     def set_clock_back(self) -> None:
