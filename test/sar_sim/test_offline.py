@@ -139,6 +139,18 @@ def test_report_on_nothing_is_one_line(tmp_path, capsys):
     assert capsys.readouterr().err.count("\n") == 1
 
 
+def test_the_monitors_thresholds_and_counts_are_reported(flown):
+    found = json.loads((flown[0] / "metrics.json").read_text())["monitor"]
+    assert found["thresholds"]["min_separation_m"] == 200.0
+    assert found["thresholds"]["escape_separation_m"] == 130.0
+    assert found["counts"]["passed"] > 3
+    assert found["counts"]["escape"] == 0
+    page = (flown[0] / "report.html").read_text(encoding="utf-8")
+    assert "<h2>Monitor</h2>" in page
+    assert "<td>escape separation</td><td>130 m</td>" in page
+    assert "<td>escapes</td><td>0</td>" in page
+
+
 def test_bag_is_standard_and_holds_the_graphs_topics(flown):
     topics = {topic for topic, _, _ in read_messages(flown[0] / "bag")}
     assert {

@@ -447,4 +447,13 @@ class SeparationMonitor:
 
 def monitor_text(monitor: SeparationMonitor, refused_s: float) -> str:
     """Return a monitor's state as JSON; ``refused_s``: the stamp of a list that did not pass."""
-    return json.dumps({"alert": monitor.alert, "reason": monitor.reason, "refused_s": refused_s})
+    return json.dumps(
+        {
+            "alert": monitor.alert,
+            "reason": monitor.reason,
+            "refused_s": refused_s,
+            "watch_only": monitor.parameters.watch_only,
+            "thresholds": monitor.parameters.thresholds(),
+            "counts": monitor.counts,
+        }
+    )

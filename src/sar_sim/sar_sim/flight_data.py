@@ -25,7 +25,13 @@ ODOMETRY = {
     topics.TRUE_HELICOPTER,
     topics.TRUE_UAV,
 }
-TEXTS = {topics.TRUE_CORNER, topics.CORNER_PLAN, topics.MISSION, topics.SCENARIO}
+TEXTS = {
+    topics.TRUE_CORNER,
+    topics.CORNER_PLAN,
+    topics.MISSION,
+    topics.SCENARIO,
+    topics.MONITOR,
+}
 WANTED = ODOMETRY | TEXTS | {topics.WAYPOINTS}
 
 
@@ -76,7 +82,7 @@ class FlightData:
     """A flight. ``helicopter`` and ``uav`` are the true tracks where the bag has them.
 
     ``planned``: by corner number. ``corners``: the true corners. ``scenario``: what the simulation
-    was told, empty for a real flight.
+    was told, empty for a real flight. ``monitor``: the monitor's last state, empty without one.
     """
 
     helicopter: Track
@@ -85,6 +91,7 @@ class FlightData:
     corners: list[dict[str, Any]]
     mission: dict[str, Any]
     scenario: dict[str, Any]
+    monitor: dict[str, Any]
     simulated: bool
 
 
@@ -117,6 +124,7 @@ def read_flight(bag: Path) -> FlightData:
         corners=texts.get(topics.TRUE_CORNER, []),
         mission=(texts.get(topics.MISSION) or [{}])[-1],
         scenario=(texts.get(topics.SCENARIO) or [{}])[-1],
+        monitor=(texts.get(topics.MONITOR) or [{}])[-1],
         simulated=topics.TRUE_HELICOPTER in samples,
     )
 

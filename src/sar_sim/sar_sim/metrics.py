@@ -127,6 +127,7 @@ def flight_metrics(data: FlightData, area: Coverage | None) -> dict[str, Any]:
         "overlap_percent": None if area is None else area.overlap_percent,
         "claimed_km2": None if area is None else area.claimed_m2 / 1e6,
         "detection_delay_s": [detection_delay_s(data, corner) for corner in data.corners],
+        "monitor": {key: data.monitor.get(key, {}) for key in ("thresholds", "counts")},
         "corner_error_m": errors,
         "first_corner_error_m": first_errors,
     }

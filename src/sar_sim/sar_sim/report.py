@@ -13,6 +13,13 @@ from sar_sim.flight_data import read_flight
 from sar_sim.metrics import coverage, flight_metrics
 
 FIGURES = ("map.png", "corner.png", "lag.png")
+MONITOR_COUNTS = (
+    ("caution", "cautions"),
+    ("warning", "warnings"),
+    ("escape", "escapes"),
+    ("passed", "lists passed"),
+    ("refused", "lists refused"),
+)
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; color: #222;
        padding: 0 1rem; }
@@ -54,6 +61,12 @@ def _page(name: str, metrics: dict[str, Any], out: Path) -> str:
         ("claimed area", _number(metrics["claimed_km2"], 2), "km²"),
     ]
     summary = "".join(f"<tr><td>{a}</td><td>{b} {c}</td></tr>" for a, b, c in rows)
+    watched = metrics["monitor"]
+    lines = [
+        (name.removesuffix("_m").replace("_", " "), f"{_number(value, 0)} m")
+        for name, value in watched["thresholds"].items()
+    ] + [(title, str(watched["counts"].get(name, "–"))) for name, title in MONITOR_COUNTS]
+    monitor = "".join(f"<tr><td>{name}</td><td>{value}</td></tr>" for name, value in lines)
     columns = (
         ("L(k), m", "lag_m", 1),
         ("measured L(k), m", "lag_measured_m", 1),
@@ -81,6 +94,7 @@ def _page(name: str, metrics: dict[str, Any], out: Path) -> str:
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{html.escape(name)}</title>'
         f"<style>{STYLE}</style><h1>{html.escape(name)}</h1><table>{summary}</table>"
+        f"<h2>Monitor</h2><table>{monitor}</table>"
         f"<h2>Corners</h2><table><tr><th>k</th>{header}</tr>{body}</table>{images}"
         "</html>\n"
     )

@@ -8,17 +8,21 @@ from pathlib import Path
 from typing import Any
 
 from sar_sim.bag import BAG_ERRORS
-from sar_sim.report import write_report
+from sar_sim.report import MONITOR_COUNTS, write_report
 
 
 def summary_line(metrics: dict[str, Any]) -> str:
     """Return a run's results in two lines for the terminal."""
     lags = ", ".join(f"{lag:.1f}" for lag in metrics["lag_m"])
     nearest, seen = metrics["min_separation_m"], metrics["coverage_percent"]
+    counts = metrics["monitor"]["counts"]
+    alerts = ", ".join(
+        f"{counts[name]} {title}" for name, title in MONITOR_COUNTS if name in counts
+    )
     return (
         f"L(k) = {lags or '–'} m; rules {' '.join(metrics['rules']) or '–'}\n"
         f"least separation {'–' if nearest is None else f'{nearest:.1f} m'}, "
-        f"coverage {'–' if seen is None else f'{seen:.2f} %'}"
+        f"coverage {'–' if seen is None else f'{seen:.2f} %'}" + (f"; {alerts}" if alerts else "")
     )
 
 
