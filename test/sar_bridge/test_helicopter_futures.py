@@ -107,6 +107,31 @@ def test_a_helicopter_that_leaves_another_way_is_followed():
     assert onward.positions[-1][0] < stop.x_m - 600.0
 
 
+def test_a_helicopter_that_should_have_stopped_already_leaves_from_where_it_should():
+    """Its own course means nothing by then, and the phase is told a little late."""
+    first = pattern().corners[0]
+    helicopter = Helicopter(HABITS)
+    helicopter.phase = Phase.DECELERATING
+    helicopter.corner = corner_of(first, first.stop_time_s + 1.0)
+    helicopter.set_motion(Motion(80.0, first.stop.x_m + 4.0, first.stop.y_m, -5.0, -4.0), 3.0, 3.0)
+    (turning, *_) = helicopter.futures(first.stop_time_s + 2.0, TIMES)
+    assert turning.name == "turns inside"
+    assert turning.positions[0] == pytest.approx((first.stop.x_m, first.stop.y_m), abs=1e-6)
+    assert turning.positions[40] == pytest.approx(
+        (first.stop.x_m + 300.0, first.stop.y_m), abs=1e-6
+    )
+
+
+def test_the_corner_before_is_not_taken_for_this_one():
+    first = pattern().corners[0]
+    helicopter = Helicopter(HABITS)
+    helicopter.phase, helicopter.corner = Phase.DECELERATING, corner_of(first, first.stop_time_s)
+    helicopter.set_motion(Motion(200.0, 900.0, 800.0, 20.0, 0.0))
+    (turning, *_) = helicopter.futures(200.0, TIMES)
+    assert turning.positions[20] == pytest.approx((1000.0, 800.0), abs=1e-6)
+    assert turning.positions[60] == pytest.approx((1000.0, 500.0), abs=1e-6)
+
+
 def test_nothing_is_known_of_a_helicopter_never_seen():
     assert Helicopter(HABITS).futures(0.0, TIMES) == []
     helicopter = Helicopter(HABITS)

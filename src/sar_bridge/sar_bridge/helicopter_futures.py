@@ -22,6 +22,8 @@ SURE_COURSE_MPS = 3.0
 STANDING_MPS = 1.0
 UNSEEN_S = 5.0
 FRESH_LEG_S = 10.0
+FRESH_CORNER_S = 5.0
+SAME_STOP_M = 60.0
 STOP_SIGMA_M = 4.0
 EXPECTED_SIGMA_RAD = math.radians(6.0)
 EXPECTED_SIGMA_MPS = 1.2
@@ -142,11 +144,20 @@ class Helicopter:
         stop = corner.stop
         return Pose(stop.x_m, stop.y_m, stop.heading_rad - self.habits.turn_side * 0.5 * math.pi)
 
+    def _this_corner(self, here: Pose, now_s: float) -> CornerEstimate | None:
+        """Return the corner it slows or stands for; None where the last one told of is another."""
+        corner = self.corner
+        if corner is None or now_s - corner.time_s < FRESH_CORNER_S:
+            return corner
+        away = math.hypot(here.x_m - corner.stop.x_m, here.y_m - corner.stop.y_m)
+        return corner if away < SAME_STOP_M else None
+
     def _stop(self, here: Pose, speed: float, now_s: float) -> tuple[Pose, float, float]:
         """Return where it will stand when it stops, in how long [s], and its deceleration."""
-        corner, accel = self.corner, self.habits.accel_mps2
-        if self.phase is Phase.DECELERATING and corner is not None and corner.stop_time_s > now_s:
-            return corner.stop, corner.stop_time_s - now_s, corner.accel_mps2
+        accel = self.habits.accel_mps2
+        corner = self._this_corner(here, now_s) if self.phase is Phase.DECELERATING else None
+        if corner is not None:
+            return corner.stop, max(0.0, corner.stop_time_s - now_s), corner.accel_mps2
         return here.offset(speed**2 / (2.0 * accel)), speed / accel, accel
 
     # Hypotheses --------------------------------------------------------------------------------
@@ -202,15 +213,16 @@ class Helicopter:
     ) -> list[Future]:
         here = self._here(motion, ahead_s)
         slowing, inside, outside = self._stopping(here, motion.speed_mps, now_s, times)
-        if self.corner is not None:  # its own course means little when it is slow
-            here = Pose(here.x_m, here.y_m, self.corner.stop.heading_rad)
+        corner = self._this_corner(here, now_s)
+        if corner is not None:  # its own course means little when it is slow
+            here = Pose(here.x_m, here.y_m, corner.stop.heading_rad)
         forward = motion.vx_mps * math.cos(here.heading_rad)
         forward = max(0.0, forward + motion.vy_mps * math.sin(here.heading_rad))
         fastest = max(self.cruise_mps, forward)
         again = _along(here, _run(times, forward, self.habits.accel_mps2, fastest))
         spread = self._ramp_spread(times)
-        if self.corner is not None:
-            spread = np.hypot(spread, math.sqrt(0.5 * float(np.trace(self.corner.covariance))))
+        if corner is not None:
+            spread = np.hypot(spread, math.sqrt(0.5 * float(np.trace(corner.covariance))))
         return [
             Future("turns inside", inside, spread, likely=True),
             Future("stands", slowing, spread),
@@ -221,7 +233,8 @@ class Helicopter:
     def _standing(
         self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray
     ) -> list[Future]:
-        corner, here = self.corner, self._here(motion, ahead_s)
+        here = self._here(motion, ahead_s)
+        corner = self._this_corner(here, now_s)
         stop = here if corner is None else corner.stop
         since = UNSEEN_S if corner is None else min(UNSEEN_S, max(0.0, now_s - corner.stop_time_s))
         inside = -self.habits.turn_side * 0.5 * math.pi
