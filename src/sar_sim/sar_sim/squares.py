@@ -99,9 +99,11 @@ def coverage_percent(world: World, track: np.ndarray) -> float:
     ).percent
 
 
-def fly_square(seed: int, base: Scenario, condition: Condition, rules: str) -> Square:
+def fly_square(
+    seed: int, base: Scenario, condition: Condition, rules: str, *, watch_only: bool = False
+) -> Square:
     """Fly one mission."""
-    flight = OfflineFlight(condition.scenario(base, seed), rules=rules)
+    flight = OfflineFlight(condition.scenario(base, seed), rules=rules, watch_only=watch_only)
     seen = Observer(flight.world)
     track: list[tuple[float, float, float, float]] = []
     problems: set[str] = set()

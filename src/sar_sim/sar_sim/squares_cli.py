@@ -22,6 +22,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--seeds", type=int, default=30, help="missions of each condition")
     parser.add_argument("--first-seed", type=int, default=0)
     parser.add_argument("--only", default="", help="conditions whose name contains this")
+    parser.add_argument("--watch-only", action="store_true", help="the monitor does nothing")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes")
     args = parser.parse_args(argv)
     chosen = {name: value for name, value in CONDITIONS.items() if args.only in name}
@@ -33,7 +34,13 @@ def main(argv: list[str] | None = None) -> int:
         seeds = range(args.first_seed, args.first_seed + args.seeds)
         sys.stdout.write(f"{scenario.name}, rules {args.rules}, {args.seeds} seeds\n{HEADER}\n")
         for name, condition in chosen.items():
-            fly = partial(fly_square, base=scenario, condition=condition, rules=args.rules)
+            fly = partial(
+                fly_square,
+                base=scenario,
+                condition=condition,
+                rules=args.rules,
+                watch_only=args.watch_only,
+            )
             told = in_parallel(fly, seeds, args.jobs)
             sys.stdout.write(summary(name, condition, told) + "\n")
             sys.stdout.flush()
