@@ -185,13 +185,20 @@ def test_bad_options_start_nothing(launch, options, message):
     assert not flight.out.exists()
 
 
-def test_bad_parameter_of_a_node_ends_the_run_with_its_line(launch, tmp_path):
+@pytest.mark.parametrize(
+    ("node", "given", "message"),
+    [
+        ("planner", "reaction_s: -1.0", "reaction_s = -1.0: expected 0 or more"),
+        ("monitor", "escape_seperation_m: 90.0", "escape_seperation_m = 90.0: unknown, expected"),
+    ],
+)
+def test_bad_parameter_of_a_node_ends_the_run_with_its_line(launch, tmp_path, node, given, message):
     params = tmp_path / "p.yaml"
-    params.write_text("planner: {ros__parameters: {reaction_s: -1.0}}\n", encoding="utf-8")
+    params.write_text(f"{node}: {{ros__parameters: {{{given}}}}}\n", encoding="utf-8")
     code, _, errors = launch("--scenario", "short", "--params", str(params)).wait()
     assert code == 1
-    assert "node planner ended with exit code 2" in errors
-    assert "reaction_s = -1.0: expected 0 or more" in errors
+    assert f"node {node} ended with exit code 2" in errors
+    assert message in errors
 
 
 def test_operator_and_nodes_run_one_by_one(launch, tmp_path):

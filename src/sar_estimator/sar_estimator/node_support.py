@@ -58,6 +58,20 @@ def parameters(node: Node, kind: type[Any], **defaults: Any) -> Any:
     return kind(**values)
 
 
+def refuse_unknown_parameters(node: Node) -> None:
+    """Raise ``ValueError`` for a parameter that was given and is none of the node's.
+
+    Those of ROS itself, which may be declared later (``qos_overrides``), do not count.
+    """
+    known = node._parameters  # noqa: SLF001 - rclpy has no public list of what was given
+    for name, given in node._parameter_overrides.items():  # noqa: SLF001
+        if name not in known and not name.startswith("qos_overrides."):
+            expected = ", ".join(sorted(known))
+            raise ValueError(
+                f"parameter {name} = {given.value}: unknown, expected one of {expected}"
+            )
+
+
 def end_process(code: int) -> NoReturn:
     """End this process at once, without taking the middleware down piece by piece.
 
@@ -73,6 +87,7 @@ def run_node(name: str, make: Callable[[], Node]) -> int:
     rclpy.init()
     try:
         node = make()
+        refuse_unknown_parameters(node)
     except (ValueError, OSError) as error:
         sys.stderr.write(f"{name}: {error}\n")
         rclpy.try_shutdown()
