@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from rosbags.rosbag2 import ReaderError, StoragePlugin, Writer, WriterError
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
 
+# What reading a damaged bag may raise: rosbags believes the lengths and types it reads.
 BAG_ERRORS = (
     AnyReaderError,
     ReaderError,
@@ -27,8 +29,13 @@ BAG_ERRORS = (
     SerdeError,
     OSError,
     ValueError,
-    KeyError,
+    LookupError,
     AssertionError,
+    MemoryError,
+    ArithmeticError,
+    TypeError,
+    EOFError,
+    struct.error,
 )
 TYPESTORE = get_typestore(Stores.ROS2_JAZZY)
 UNLIMITED = QosTime(sec=9223372036, nsec=854775807)
