@@ -158,6 +158,22 @@ def test_nodes_that_are_killed_are_started_again_and_take_up_their_work(launch):
     assert max(lists) > 150.0  # it was still led after the last of them
 
 
+def test_a_recorder_that_is_killed_ends_neither_flight_nor_report(launch):
+    flight = launch("--scenario", "short")
+    await_true(lambda: bag_size(flight) > 1_000_000)
+    os.kill(flight.nodes()["record"], signal.SIGKILL)
+    killed = bag_size(flight)
+    code, output, errors = flight.wait()
+    assert code == 0
+    assert "node record ended with exit code -9: flying on" in errors
+    assert "least separation" in output
+    assert bag_size(flight) == killed
+    assert not (flight.out / "bag" / "metadata.yaml").exists()
+    assert {item.name for item in flight.out.iterdir()} == RESULTS
+    stamps = [t for topic, t, _ in read_messages(flight.out / "bag") if topic == "/clock"]
+    assert stamps[-1] - stamps[0] > 10.0
+
+
 def test_a_launcher_that_is_killed_leaves_nothing_running(launch):
     flight = launch("--scenario", "short")
     await_true(lambda: bag_size(flight) > 100_000)

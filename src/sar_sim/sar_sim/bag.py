@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import struct
 from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +20,11 @@ from rosbags.interfaces import (
     QosTime,
 )
 from rosbags.rosbag2 import ReaderError, StoragePlugin, Writer, WriterError
+from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
+
+from sar_sim.salvage import is_cut, salvaged
 
 # What reading a damaged bag may raise: rosbags believes the lengths and types it reads.
 BAG_ERRORS = (
@@ -81,6 +86,16 @@ class BagWriter:
         self._writer.write(self._connections[topic], round(time_s * 1e9), data)
         self.messages += 1
 
+    def flush(self) -> None:
+        """Bring everything written so far onto the disk, where a kill does not take it away."""
+        storage = self._writer.storage
+        if not isinstance(storage, McapWriter):
+            return
+        if storage.chunk.bio.tell():
+            storage.close_chunk()
+        storage.bio.flush()
+        os.fsync(storage.bio.fileno())
+
     def close(self) -> None:
         """Finish the bag."""
         self._writer.close()
@@ -96,9 +111,12 @@ def known_type(kind: str) -> bool:
     return kind in TYPESTORE.types
 
 
-def open_bag(path: Path) -> AnyReader:
-    """Return a reader of a bag folder, to be used as a context manager."""
-    return AnyReader([path], default_typestore=TYPESTORE)
+@contextmanager
+def open_bag(path: Path) -> Iterator[AnyReader]:
+    """Give a reader of a bag folder; of one that was cut, up to its last whole record."""
+    with ExitStack() as stack:
+        whole = stack.enter_context(salvaged(path)) if is_cut(path) else path
+        yield stack.enter_context(AnyReader([whole], default_typestore=TYPESTORE))
 
 
 def read_messages(path: Path, topics: set[str] | None = None) -> Iterator[tuple[str, float, Any]]:

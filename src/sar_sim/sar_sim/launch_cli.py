@@ -129,6 +129,13 @@ class Flight:
         It takes up its work from latched topics. One that ends at once, or by its own decision,
         would do so again.
         """
+        if node.name == "record" and node.age_s > SETTLED_S:
+            sys.stderr.write(
+                f"launch: node record ended with exit code {node.exit_code}: flying on, nothing is "
+                f"recorded any more\n{node.last_lines()}\n"
+            )
+            self.nodes.remove(node)
+            return True
         hopeless = node.exit_code in (0, 2) or node.age_s < SETTLED_S
         if node.name not in KEPT_GOING or hopeless or self.restarts >= RESTARTS:
             return False

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 from functools import partial
 from pathlib import Path
 
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosbags.rosbag2 import WriterError
 
-from sar_estimator.node_support import now_s, parameter, run_node
+from sar_estimator import topics
+from sar_estimator.messages import diagnostics
+from sar_estimator.node_support import RELIABLE, now_s, parameter, run_node
 from sar_sim.bag import BagWriter, known_type
 from sar_sim.message_types import get_message
 
 DISCOVERY_PERIOD_S = 0.25
+FLUSH_PERIOD_S = 0.9
 
 
 class RecordNode(Node):
@@ -33,14 +38,36 @@ class RecordNode(Node):
             raise ValueError(f"parameter bag: {error}") from error
         self._seen: set[str] = set()
         self._waiting: list[tuple[str, str, bytes, bool]] = []
-        self.create_timer(
-            DISCOVERY_PERIOD_S, self._discover, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
+        self._failure = ""
+        self._diagnostics = self.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, RELIABLE)
+        wall = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(DISCOVERY_PERIOD_S, self._discover, clock=wall)
+        self.create_timer(FLUSH_PERIOD_S, self._flush, clock=wall)
+        self.create_timer(1.0, self._tell)
         self._discover()
 
     def close(self) -> None:
         """Finish the bag."""
-        self._bag.close()
+        with contextlib.suppress(OSError):
+            self._bag.close()
+
+    def _flush(self) -> None:
+        """Lose no more than a second when the power is cut; a full disk ends the recording."""
+        if not self._failure:
+            try:
+                self._bag.flush()
+            except OSError as error:
+                self._fail(error)
+
+    def _fail(self, error: OSError) -> None:
+        self._failure = f"nothing is recorded any more: {error.strerror or error}"
+        self.get_logger().error(self._failure)
+
+    def _tell(self) -> None:
+        values: dict[str, object] = {"messages": self._bag.messages}
+        self._diagnostics.publish(
+            diagnostics(now_s(self), "record", problem=self._failure, values=values)
+        )
 
     def _discover(self) -> None:
         for topic, kinds in self.get_topic_names_and_types():
@@ -64,12 +91,17 @@ class RecordNode(Node):
         self.create_subscription(get_message(kind), topic, callback, qos, raw=True)
 
     def _write(self, topic: str, kind: str, latched: bool, data: bytes) -> None:  # noqa: FBT001
+        if self._failure:
+            return
         self._waiting.append((topic, kind, data, latched))
         stamp = now_s(self)
         if stamp == 0.0:
             return  # simulated time that has not begun: the recording begins with it
-        for one, its_kind, content, lasting in self._waiting:
-            self._bag.write(one, its_kind, content, stamp, latched=lasting)
+        try:
+            for one, its_kind, content, lasting in self._waiting:
+                self._bag.write(one, its_kind, content, stamp, latched=lasting)
+        except OSError as error:
+            self._fail(error)
         self._waiting.clear()
 
 
