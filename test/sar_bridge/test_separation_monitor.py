@@ -258,6 +258,14 @@ def test_the_uav_is_sent_away_when_the_helicopter_is_lost_for_long():
     assert len(silent.fly(2.0, helicopter=False)) == 1
 
 
+def test_a_uav_that_is_not_heard_is_sent_nowhere_until_it_is():
+    bench = crossing()
+    bench.fly(5.0)
+    assert bench.fly(12.0, uav=False) == []
+    bench.tell()
+    assert len(bench.fly(1.0)) == 1
+
+
 def test_a_withdrawn_list_is_not_guarded():
     bench = Bench(uav=(100.0, -300.0))
     bench.uav = replace(bench.uav, vx_mps=0.0, vy_mps=20.0)

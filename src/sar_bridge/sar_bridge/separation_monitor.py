@@ -319,6 +319,8 @@ class SeparationMonitor:
             self._set_alert(Alert.NONE)
             return None
         p = self.parameters
+        if now_s - self.uav.time_s > p.stale_s:
+            return None  # where it is is not known, and nothing would reach it
         futures = self.helicopter.futures(now_s, self._times)
         path = self._path(self._flown, now_s, p.alert_horizon_s)
         soon = self._closest(path, futures, -p.guard_sigmas, p.possible_horizon_s)
@@ -327,23 +329,26 @@ class SeparationMonitor:
         lost_s = self._lost_for(now_s, self.helicopter.motion)
         if self.escape is not None:
             return self._escaping(futures, min(soon, later, key=_distance), now_s)
+        why = self._conflict(soon, later, now_s)
+        if not why and lost_s > p.lost_s:
+            why = f"helicopter's position lost for {lost_s:.0f} s"
+        if why and not p.watch_only:
+            self.reason = f"sent away: {why}"
+            return self._send_away(futures, now_s)
+        self._tell(now_s)
+        return None
+
+    def _conflict(self, soon: Approach, later: Approach, now_s: float) -> str:
+        """Return what the UAV is to be sent away for; what is later, once it has lasted."""
         escape_m = self._limits["escape_separation_m"]
         if later.distance_m >= escape_m:
             self._conflict_since_s = math.inf
         else:
             self._conflict_since_s = min(self._conflict_since_s, now_s)
-        lasting = now_s - self._conflict_since_s >= p.escape_after_s
-        if p.watch_only:
-            self._tell(now_s)
-            return None
-        if soon.distance_m < escape_m or lasting:
-            self.reason = f"sent away: {soon if soon.distance_m < escape_m else later}"
-            return self._send_away(futures, now_s)
-        if lost_s > p.lost_s:
-            self.reason = f"sent away: helicopter's position lost for {lost_s:.0f} s"
-            return self._send_away(futures, now_s)
-        self._tell(now_s)
-        return None
+        if soon.distance_m < escape_m:
+            return str(soon)
+        lasting = now_s - self._conflict_since_s >= self.parameters.escape_after_s
+        return str(later) if lasting else ""
 
     def _tell(self, now_s: float) -> None:
         """Set the alert short of an escape: at once when it gets less, after a while when more."""
