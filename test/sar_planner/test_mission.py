@@ -239,6 +239,17 @@ def test_stale_positions_stop_decisions():
     assert "UAV position 20.0 s old" in plan.problem
 
 
+@pytest.mark.parametrize("rules", ["paper", "deadbeat"])
+def test_a_helicopter_at_the_other_end_of_the_world_is_not_flown_to(rules):
+    """A receiver may say anything; a path that long would take for ever to plan."""
+    plan = on_leg(0.0, rules=rules)
+    assert plan.update(100.0) is not None
+    plan.set_helicopter(Motion(101.0, 5e6, -3e6, 20.0, 0.0))
+    plan.set_leg(LegEstimate(101.0, Pose(5e6, -3e6, 0.0), 20.0, 1.0, 0.001, 0.1))
+    assert plan.update(101.0) is None
+    assert plan.problem == "helicopter 5831 km from the UAV: expected within 20 km"
+
+
 def test_bad_mission_parameters_are_named():
     for changes, named in (
         ({"turn_side": 2}, "turn_side = 2"),

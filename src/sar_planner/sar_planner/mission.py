@@ -22,6 +22,7 @@ from sar_planner.vehicle import Vehicle
 
 MAX_WAYPOINTS = 400
 REFUSED_RETRY_S = 2.0
+FARTHEST_M = 20_000.0
 ENGAGE_MODES = ("AUTO", "GUIDED")
 
 
@@ -173,6 +174,9 @@ class MissionPlanner:
             age = now_s - motion.time_s
             if age > self.parameters.stale_s:
                 return f"{name} position {age:.1f} s old (limit {self.parameters.stale_s} s)"
+        apart = self.separation_m()
+        if apart is not None and apart > FARTHEST_M:
+            return f"helicopter {apart / 1e3:.0f} km from the UAV: expected within 20 km"
         if self.phase is Phase.LOST:
             return "helicopter GPS lost"
         if self.situation.leg is None:

@@ -55,7 +55,9 @@ class FaultRun:
         size = f", {fault.size:g}" if fault.kind in ("wrong", "slow", "delayed") else ""
         size = f", {fault.size:.0%}" if fault.kind == "intermittent" else size
         length = "" if fault.component in NODES and fault.kind == "off" else f" {fault.for_s:g} s"
-        after = "–" if self.after_s is None else f"{self.after_s:.1f}"
+        # A node is killed, missed and started in real time, at any speed of the simulation.
+        real = fault_speed(fault) if fault.component in NODES else 1.0
+        after = "–" if self.after_s is None else f"{self.after_s / real:.1f}"
         lags = ", ".join(f"{lag:.0f}" for lag in self.lags_m)
         return (
             f"| {fault.component} {fault.kind}{size}{length} | {self.said or '–'} | {after} | "
