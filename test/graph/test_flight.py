@@ -127,7 +127,7 @@ def test_simulation_that_dies_stops_the_run_with_its_name(launch):
 
 
 def test_nodes_that_are_killed_are_started_again_and_take_up_their_work(launch):
-    speed = 5.0
+    speed = 3.0
     flight = launch("--scenario", "short", "--speed", str(speed))
     await_true(lambda: bag_size(flight) > 500_000)
     victims = ("planner", "monitor", "bridge", "estimator")
@@ -151,7 +151,7 @@ def test_nodes_that_are_killed_are_started_again_and_take_up_their_work(launch):
         assert f"node {name} ended with exit code -9: started again" in errors
         assert np.diff(told[name]).max() / speed < 20.0, name
     found = metrics(flight.out)
-    assert found["min_separation_m"] > 130.0
+    assert found["min_separation_m"] > 100.0  # what the monitor keeps
     # By which rule, and how much of L(1) = 600 m is left, depends on when they were killed.
     assert abs(found["lag_m"][1]) < abs(found["lag_m"][0])
     assert len(found["rules"]) == 2
