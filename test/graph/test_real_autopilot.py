@@ -155,7 +155,7 @@ def test_a_planner_that_hangs_stops_the_heartbeats_until_it_is_started_again(lau
 
 
 CROSSING = """
-import sys, time
+import time
 import numpy as np
 import rclpy
 from nav_msgs.msg import Path

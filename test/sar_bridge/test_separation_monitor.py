@@ -406,7 +406,8 @@ def test_bad_parameters_are_named(changes, message):
 
 def test_the_planner_understands_what_the_monitor_says():
     bench = bench_in(Alert.ESCAPE)
-    told = monitor_from_text(monitor_text(bench.monitor, 12.5))
+    bench.monitor.refused_s = 12.5
+    told = monitor_from_text(monitor_text(bench.monitor))
     assert told.escaping
     assert told.reason == bench.monitor.reason
     assert told.refused_s == 12.5

@@ -12,12 +12,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sar_estimator.plane import wrap_angle
-from sar_estimator.states import Motion
-
-FloatArray = NDArray[np.float64]
+from sar_estimator.states import FloatArray, Motion
 
 G_MPS2 = 9.81
 STEP_S = 0.5

@@ -11,12 +11,9 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sar_estimator.plane import Pose, wrap_angle
-from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
-
-FloatArray = NDArray[np.float64]
+from sar_estimator.states import CornerEstimate, FloatArray, LegEstimate, Motion, Phase
 
 SURE_COURSE_MPS = 3.0
 STANDING_MPS = 1.0
@@ -39,6 +36,11 @@ class Habits:
     speed_mps: float = 20.0
     accel_mps2: float = 2.0
     turn_side: int = 1
+
+    @property
+    def inside_rad(self) -> float:
+        """The turn of a right angle to the pattern's side [rad]."""
+        return -self.turn_side * 0.5 * math.pi
 
 
 @dataclass(frozen=True)
@@ -142,7 +144,7 @@ class Helicopter:
     def _inside(self, corner: CornerEstimate) -> Pose:
         """Return how a corner is left when it is turned to the pattern's side."""
         stop = corner.stop
-        return Pose(stop.x_m, stop.y_m, stop.heading_rad - self.habits.turn_side * 0.5 * math.pi)
+        return Pose(stop.x_m, stop.y_m, stop.heading_rad + self.habits.inside_rad)
 
     def _this_corner(self, here: Pose, now_s: float) -> CornerEstimate | None:
         """Return the corner it slows or stands for; None where the last one told of is another."""
@@ -187,7 +189,7 @@ class Helicopter:
         stop, in_s, accel = self._stop(here, speed, now_s)
         slowing = _along(stop, -0.5 * accel * np.maximum(in_s - times, 0.0) ** 2)
         before = (times < in_s)[:, None]
-        inside = -self.habits.turn_side * 0.5 * math.pi
+        inside = self.habits.inside_rad
         left = self._turned(stop, in_s, times, inside)
         right = self._turned(stop, in_s, times, -inside)
         return slowing, np.where(before, slowing, left), np.where(before, slowing, right)
@@ -237,7 +239,7 @@ class Helicopter:
         corner = self._this_corner(here, now_s)
         stop = here if corner is None else corner.stop
         since = UNSEEN_S if corner is None else min(UNSEEN_S, max(0.0, now_s - corner.stop_time_s))
-        inside = -self.habits.turn_side * 0.5 * math.pi
+        inside = self.habits.inside_rad
         still = np.full_like(times, self._position_sigma_m)
         spread = self._ramp_spread(times)
         return [

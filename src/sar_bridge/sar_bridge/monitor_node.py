@@ -53,7 +53,6 @@ class MonitorNode(Node):
         self._monitor = SeparationMonitor(limits, habits)
         self._covariance = np.zeros((2, 2))
         self._uav_up_m = self._datum_m = 0.0
-        self._refused_s = 0.0
         self._led = False
         self._early: Path | None = None
         self._told = ""
@@ -147,7 +146,6 @@ class MonitorNode(Node):
         """Hand a list on when it may pass; a withdrawal always does."""
         if not message.poses:
             self._monitor.withdraw()
-            self._refused_s = 0.0
             self._senders[topics.CLEARED].publish(message)
             self._tell()
             return
@@ -156,10 +154,8 @@ class MonitorNode(Node):
         if self._monitor.unseen:
             self._early = message
         elif self._monitor.passes(path_to_points(message), stamp, now):
-            self._refused_s = 0.0
             self._senders[topics.CLEARED].publish(message)
         else:
-            self._refused_s = stamp
             self.get_logger().warning(self._monitor.reason)
         self._tell()
 
@@ -179,7 +175,7 @@ class MonitorNode(Node):
 
     def _tell(self) -> None:
         """Publish the state when it has changed."""
-        text = monitor_text(self._monitor, self._refused_s)
+        text = monitor_text(self._monitor)
         if text != self._told:
             self._told = text
             self._senders[topics.MONITOR].publish(text_message(text))
@@ -197,7 +193,7 @@ class MonitorNode(Node):
                     "alert": monitor.alert,
                     "nearest_m": f"{nearest:.0f}" if math.isfinite(nearest) else "",
                     **{str(name): count for name, count in monitor.counts.items()},
-                    **monitor.parameters.thresholds(),
+                    **monitor.thresholds,
                 },
             )
         )

@@ -14,12 +14,13 @@ import json
 import math
 from dataclasses import dataclass, fields
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
-from sar_bridge.follower import STEP_S, FloatArray, FollowerTuning, Route, follow
+from sar_bridge.follower import STEP_S, FollowerTuning, Route, follow
 from sar_bridge.helicopter_futures import Future, Habits, Helicopter
-from sar_estimator.states import Motion, Phase
+from sar_estimator.states import FloatArray, Motion, Phase
 
 CAUTION_SHARE, WARNING_SHARE, ESCAPE_SHARE = 0.85, 0.75, 0.65
 HEADINGS = 12
@@ -136,6 +137,14 @@ def _distance(approach: Approach) -> float:
     return approach.distance_m
 
 
+class Apart(NamedTuple):
+    """How far a path is from a future [m], and the standard deviation of that, shapes (n,)."""
+
+    future: Future
+    distance_m: FloatArray
+    sigma_m: FloatArray
+
+
 NO_APPROACH = Approach(math.inf, 0.0, "")
 
 
@@ -154,8 +163,9 @@ class SeparationMonitor:
     """Gate and guard. It is told what is known, and asked about lists, and what is to be done.
 
     ``alert``: the state of the list being flown. ``nearest``: its closest approach in prediction.
-    ``reason``: why the newest list was refused, or the UAV was sent away. ``counts``: how often
-    each alert began, and lists passed and were refused.
+    ``reason``: why the newest list was refused, or the UAV was sent away. ``refused_s``: the stamp
+    of the newest list where it did not pass, else 0. ``counts``: how often each alert began, and
+    lists passed and were refused. ``thresholds``: the distances [m] of ``parameters``.
     """
 
     def __init__(self, parameters: MonitorParameters, habits: Habits) -> None:
@@ -168,9 +178,10 @@ class SeparationMonitor:
         self.alert = Alert.NONE
         self.nearest = NO_APPROACH
         self.reason = ""
+        self.refused_s = 0.0
         self.escape: Escape | None = None
         self.counts = dict.fromkeys((*Alert, "passed", "refused"), 0)
-        self._limits = parameters.thresholds()
+        self.thresholds = parameters.thresholds()
         count = round(parameters.horizon_s / STEP_S) + 1
         self._times: FloatArray = STEP_S * np.arange(count, dtype=np.float64)
         self._flown: Route | None = None
@@ -210,6 +221,7 @@ class SeparationMonitor:
         self._flown = self.escape = None
         self._cleared.clear()
         self.alert, self.nearest, self.reason = Alert.NONE, NO_APPROACH, ""
+        self.refused_s = 0.0
 
     @property
     def unseen(self) -> bool:
@@ -238,9 +250,11 @@ class SeparationMonitor:
         if refusal:
             self.reason = refusal
             if not self.parameters.watch_only:
+                self.refused_s = stamp_s
                 return False
         elif self.escape is None:
             self.reason = ""
+        self.refused_s = 0.0
         self._cleared[stamp_s] = points
         return True
 
@@ -265,10 +279,10 @@ class SeparationMonitor:
     def _near(self, route: Route, futures: list[Future], now_s: float) -> Approach:
         """Return how a route breaks what the gate asks for; ``NO_APPROACH`` where it does not."""
         p = self.parameters
-        path = self._path(route, now_s, p.horizon_s)
-        likely = self._closest(path, futures, p.gate_sigmas, p.horizon_s, only_likely=True)
-        any_soon = self._closest(path, futures, p.gate_sigmas, p.possible_horizon_s)
-        if any_soon.distance_m < self._limits["escape_separation_m"]:
+        apart = self._apart(self._path(route, now_s, p.horizon_s), futures)
+        likely = self._closest(apart, p.gate_sigmas, p.horizon_s, only_likely=True)
+        any_soon = self._closest(apart, p.gate_sigmas, p.possible_horizon_s)
+        if any_soon.distance_m < self.thresholds["escape_separation_m"]:
             return min(likely, any_soon, key=_distance)
         return likely if likely.distance_m < p.min_separation_m else NO_APPROACH
 
@@ -287,25 +301,28 @@ class SeparationMonitor:
         )
         return path[skipped:]
 
+    def _apart(self, path: FloatArray, futures: list[Future]) -> list[Apart]:
+        """Return how far a path is from every future, and how sure that is."""
+        count, beside = len(path), self.parameters.follow_sigma_m
+        return [
+            Apart(
+                future,
+                np.hypot(*(path - future.positions[:count]).T),
+                np.hypot(future.sigma_m[:count], beside),
+            )
+            for future in futures
+        ]
+
     def _closest(
-        self,
-        path: FloatArray,
-        futures: list[Future],
-        sigmas: float,
-        horizon_s: float,
-        *,
-        only_likely: bool = False,
+        self, apart: list[Apart], sigmas: float, horizon_s: float, *, only_likely: bool = False
     ) -> Approach:
         """Return the closest approach to any future, ``sigmas`` standard deviations added."""
         count = round(horizon_s / STEP_S) + 1
         found = NO_APPROACH
-        for future in futures:
+        for future, distance, sigma in apart:
             if only_likely and not future.likely:
                 continue
-            apart = np.hypot(*(path[:count] - future.positions[:count]).T)
-            bound = apart + sigmas * np.hypot(
-                future.sigma_m[:count], self.parameters.follow_sigma_m
-            )
+            bound = distance[:count] + sigmas * sigma[:count]
             i = int(bound.argmin())
             if bound[i] < found.distance_m:
                 found = Approach(float(bound[i]), float(self._times[i]), future.name)
@@ -322,10 +339,10 @@ class SeparationMonitor:
         if now_s - self.uav.time_s > p.stale_s:
             return None  # where it is is not known, and nothing would reach it
         futures = self.helicopter.futures(now_s, self._times)
-        path = self._path(self._flown, now_s, p.alert_horizon_s)
-        soon = self._closest(path, futures, -p.guard_sigmas, p.possible_horizon_s)
-        later = self._closest(path, futures, p.gate_sigmas, p.escape_horizon_s, only_likely=True)
-        self.nearest = self._closest(path, futures, 0.0, p.alert_horizon_s, only_likely=True)
+        apart = self._apart(self._path(self._flown, now_s, p.alert_horizon_s), futures)
+        soon = self._closest(apart, -p.guard_sigmas, p.possible_horizon_s)
+        later = self._closest(apart, p.gate_sigmas, p.escape_horizon_s, only_likely=True)
+        self.nearest = self._closest(apart, 0.0, p.alert_horizon_s, only_likely=True)
         lost_s = self._lost_for(now_s, self.helicopter.motion)
         if self.escape is not None:
             return self._escaping(futures, min(soon, later, key=_distance), now_s)
@@ -340,7 +357,7 @@ class SeparationMonitor:
 
     def _conflict(self, soon: Approach, later: Approach, now_s: float) -> str:
         """Return what the UAV is to be sent away for; what is later, once it has lasted."""
-        escape_m = self._limits["escape_separation_m"]
+        escape_m = self.thresholds["escape_separation_m"]
         if later.distance_m >= escape_m:
             self._conflict_since_s = math.inf
         else:
@@ -354,8 +371,10 @@ class SeparationMonitor:
         """Set the alert short of an escape: at once when it gets less, after a while when more."""
         p, near = self.parameters, self.nearest.distance_m
         alert = Alert.NONE
-        if near < self._limits["caution_separation_m"]:
-            alert = Alert.WARNING if near < self._limits["warning_separation_m"] else Alert.CAUTION
+        if near < self.thresholds["caution_separation_m"]:
+            alert = (
+                Alert.WARNING if near < self.thresholds["warning_separation_m"] else Alert.CAUTION
+            )
         if ALERTS.index(alert) <= ALERTS.index(self.alert):
             self._near_since_s = math.inf
             self._set_alert(alert)
@@ -425,40 +444,35 @@ class SeparationMonitor:
             reach = p.escape_reach_m * np.array((math.cos(course), math.sin(course)))
             end = np.array([[uav.x_m, uav.y_m]]) + reach
             path = self._path(Route(end, uav), now_s, p.alert_horizon_s)
-            for climb, up in ((0.0, np.zeros_like(rise)), (p.escape_climb_m, rise)):
-                found.append((self._least(path, self.above_m + up, futures), climb, end))
+            flat = self._least_flat(path, futures)
+            for climb, up in ((0.0, np.zeros_like(flat)), (p.escape_climb_m, rise[: len(flat)])):
+                least = float(np.sqrt(flat**2 + (self.above_m + up) ** 2).min())
+                found.append((least, climb, end))
         best = max(found, key=lambda option: option[0])
         return Escape(self._escapes + 1, now_s, best[2], best[1], best[0])
 
-    def _least(self, path: FloatArray, above: FloatArray, futures: list[Future]) -> float:
-        """Return the least distance in space [m] to any future within the alert horizon."""
-        p = self.parameters
-        count = round(p.alert_horizon_s / STEP_S) + 1
-        return min(
-            float(
-                np.sqrt(
-                    np.maximum(
-                        np.hypot(*(path[:count] - future.positions[:count]).T)
-                        - p.guard_sigmas * future.sigma_m[:count],
-                        0.0,
-                    )
-                    ** 2
-                    + above[:count] ** 2
-                ).min()
-            )
-            for future in futures
+    def _least_flat(self, path: FloatArray, futures: list[Future]) -> FloatArray:
+        """Return the horizontal distance [m] to the nearest future, shape (n,), less the doubt."""
+        count, sigmas = len(path), self.parameters.guard_sigmas
+        distances: FloatArray = np.min(
+            [
+                np.hypot(*(path - future.positions[:count]).T) - sigmas * future.sigma_m[:count]
+                for future in futures
+            ],
+            axis=0,
         )
+        return np.maximum(distances, 0.0)
 
 
-def monitor_text(monitor: SeparationMonitor, refused_s: float) -> str:
-    """Return a monitor's state as JSON; ``refused_s``: the stamp of a list that did not pass."""
+def monitor_text(monitor: SeparationMonitor) -> str:
+    """Return a monitor's state as JSON."""
     return json.dumps(
         {
             "alert": monitor.alert,
             "reason": monitor.reason,
-            "refused_s": refused_s,
+            "refused_s": monitor.refused_s,
             "watch_only": monitor.parameters.watch_only,
-            "thresholds": monitor.parameters.thresholds(),
+            "thresholds": monitor.thresholds,
             "counts": monitor.counts,
         }
     )

@@ -9,29 +9,27 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from sar_bridge.follower import FloatArray
-from sar_bridge.mission_banks import MissionBanks, Write
-from sar_bridge.mission_items import first_ahead
+from sar_bridge.mission_banks import MissionBanks
 from sar_bridge.separation_monitor import SeparationMonitor
 from sar_estimator.estimator import HelicopterEstimator
 from sar_estimator.parameters import EstimatorParameters
 from sar_estimator.plane import Pose
-from sar_estimator.states import Motion
-from sar_sim.autopilot import FlightMode
+from sar_estimator.states import FloatArray, Motion
+from sar_sim.handover import load_list, tell_monitor
 from sar_sim.helicopter import PatternHelicopter
-from sar_sim.offline import OfflineFlight, make_monitor
-from sar_sim.scenario import Gps, Pattern, Pilot, Scenario, Uav, Wind
+from sar_sim.missions import Observer
+from sar_sim.offline import STEPS_PER_GUARD, STEPS_PER_TICK, OfflineFlight, make_monitor
+from sar_sim.scenario import AUTOPILOTS, Gps, Pattern, Pilot, Scenario, Uav, Wind
 from sar_sim.squares import CONDITIONS
 from sar_sim.world import World
 
 KINDS = ("wrong side", "wrong corner", "stale", "crossing")
 NEAR_M = 100.0
 LASTS_S = 100.0
-STEPS_PER_GUARD = 10
-STEPS_PER_TOLD = 2
 LATENCY_S = 0.3
 AHEAD_M = 4000.0
 BOUND_HEADINGS = 36
@@ -73,6 +71,7 @@ def random_scenario(rng: np.random.Generator, seed: int) -> Scenario:
     side = 1 if rng.uniform() < 0.5 else -1
     odd = int(rng.integers(0, 4))
     action = str(rng.choice(("other_way", "go_on", "break_off")))
+    dynamics: dict[str, Any] = {**AUTOPILOTS["arduplane"]}
     return Scenario(
         name="encounter",
         pattern=Pattern(first_leg_m=float(rng.uniform(700.0, 2000.0)), corners=4, turn_side=side),
@@ -89,9 +88,7 @@ def random_scenario(rng: np.random.Generator, seed: int) -> Scenario:
         uav=Uav(
             autopilot="arduplane",
             lag_m=float(rng.uniform(-300.0, 1000.0)),
-            roll_lag_s=0.35,
-            speed_lag_s=3.5,
-            item_s=0.02,
+            **dynamics,
         ),
         wind=Wind(float(rng.uniform(0.0, 8.0)), float(rng.uniform(0.0, 360.0)), 0.7, seed=seed),
     )
@@ -197,7 +194,7 @@ class _Flight:
         for reception in world.step():
             self.estimator.add_fix(reception.fix)
         self._steps += 1
-        if self._steps % STEPS_PER_TOLD == 0:
+        if self._steps % STEPS_PER_TICK == 0:
             self._know()
         if self._steps % STEPS_PER_GUARD == 0:
             escape = monitor.update(world.time_s)
@@ -209,37 +206,16 @@ class _Flight:
             self._load(points, stamp, climb)
 
     def _know(self) -> None:
-        now, monitor = self.world.time_s, self.monitor
-        estimate = self.estimator.predict(now)
-        watched = monitor.helicopter
-        if estimate is not None:
-            watched.set_motion(estimate.motion, *estimate.sigmas)
-        watched.phase, watched.corner = self.estimator.phase(now), self.estimator.corner
-        if self.estimator.leg is not None:
-            watched.set_leg(self.estimator.leg)
-        monitor.set_uav(replace(self.world.autopilot.motion, time_s=now))
+        now, known = self.world.time_s, self.estimator
+        tell_monitor(self.monitor, known.predict(now), known.phase(now), known.corner, known.leg)
+        self.monitor.set_uav(replace(self.world.autopilot.motion, time_s=now))
 
     def _load(self, points: FloatArray, stamp_s: float, climb_m: float) -> None:
-        autopilot, datum = self.world.autopilot, self.world.datum
         if self._gated:
             self.monitor.set_uploaded(stamp_s)
         elif self.monitor.escape is None:
             self.monitor.set_flown(points)
-        if autopilot.mode is not FlightMode.AUTO:
-            autopilot.load(self._banks.whole(points, datum, climb_m=climb_m))
-            autopilot.set_current(first_ahead(points, autopilot.motion) + 1)
-            autopilot.set_mode(FlightMode.AUTO)
-            return
-        self._put(self._banks.fill(points, datum, autopilot.current, climb_m=climb_m))
-        step = self._banks.join(autopilot.current, autopilot.motion, within_s=0.0)
-        if isinstance(step, Write):
-            self._put(step)
-        else:
-            autopilot.set_current(step.seq)
-
-    def _put(self, write: Write) -> None:
-        for i, item in enumerate(write.items):
-            self.world.autopilot.replace_item(write.start + i, item)
+        load_list(self.world.autopilot, self._banks, points, self.world.datum, climb_m=climb_m)
 
 
 def fly_encounter(seed: int) -> Encounter:
@@ -259,9 +235,7 @@ def fly_encounter(seed: int) -> Encounter:
         flight.step()
         now, uav = world.time_s, world.autopilot.motion
         if now >= due_s:
-            due_s = now + (period_s if now >= begins_s else math.inf)
-            if now < begins_s:
-                due_s = begins_s
+            due_s = now + period_s if now >= begins_s else begins_s
             points = planner.points(now, uav)
             if points is not None:
                 flight.offer(points)
@@ -316,17 +290,10 @@ def fly_formation(seed: int, base: Scenario) -> Hours:
     """Fly one expanding square in formation, watched by the monitor."""
     name = FORMATION[seed % len(FORMATION)]
     flight = OfflineFlight(CONDITIONS[name].scenario(base, seed))
-    least = math.inf
-
-    def observe(world: World) -> None:
-        nonlocal least
-        assert world.helicopter is not None
-        uav, leader = world.autopilot.motion, world.helicopter.motion(world.time_s)
-        least = min(least, math.hypot(uav.x_m - leader.x_m, uav.y_m - leader.y_m))
-
-    flight.run(observe=observe)
+    seen = Observer(flight.world)
+    flight.run(observe=seen)
     counts = {str(name): count for name, count in flight.monitor.counts.items()}
-    return Hours(seed, name, flight.world.time_s, counts, least)
+    return Hours(seed, name, flight.world.time_s, counts, seen.separation_m)
 
 
 def formation_summary(hours: list[Hours]) -> str:

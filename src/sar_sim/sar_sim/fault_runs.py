@@ -12,11 +12,10 @@ from sar_estimator import topics
 from sar_sim.bag import read_messages
 from sar_sim.flight_data import read_flight
 from sar_sim.metrics import separation, true_lag_m
-from sar_sim.scenario import Fault, Pattern, Scenario
+from sar_sim.scenario import NODES, Fault, Pattern, Scenario
 
 AT_S = 60.0
 FIGURES = re.compile(r"[\d.]+")
-NODES = ("estimator", "planner", "monitor", "bridge")
 CASES: tuple[Fault, ...] = (
     Fault("gps", "off", AT_S),
     Fault("gps", "off", AT_S, 120.0),

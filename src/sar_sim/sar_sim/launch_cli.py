@@ -38,7 +38,7 @@ from sar_sim.options import (
 from sar_sim.processes import NodeProcess, folder_bytes
 from sar_sim.report import write_report
 from sar_sim.report_cli import summary_line
-from sar_sim.scenario import Scenario, ScenarioError, scenario_document
+from sar_sim.scenario import NODES, Scenario, ScenarioError, scenario_document
 from sar_sim.tracks import load_track
 
 TELL_TERMINAL_S, TELL_FILE_S = 0.5, 5.0
@@ -46,7 +46,6 @@ RESTARTS = 5
 SETTLED_S = 3.0
 HANGS_S = 10.0
 FAULT_SIGNALS = {"kill": signal.SIGKILL, "stop": signal.SIGSTOP, "go on": signal.SIGCONT}
-KEPT_GOING = ("estimator", "planner", "monitor", "bridge")
 
 
 class Watcher(Node):
@@ -137,7 +136,7 @@ class Flight:
             self.nodes.remove(node)
             return True
         hopeless = node.exit_code in (0, 2) or node.age_s < SETTLED_S
-        if node.name not in KEPT_GOING or hopeless or self.restarts >= RESTARTS:
+        if node.name not in NODES or hopeless or self.restarts >= RESTARTS:
             return False
         self.restarts += 1
         sys.stderr.write(
@@ -170,7 +169,7 @@ class Flight:
                     if node.name == name:
                         node.signal(FAULT_SIGNALS[action])
             for node in self.nodes:
-                if node.name in KEPT_GOING and node.age_s > HANGS_S and watcher.hangs(node.name):
+                if node.name in NODES and node.age_s > HANGS_S and watcher.hangs(node.name):
                     sys.stderr.write(f"launch: node {node.name} hangs: killed\n")
                     node.kill()
             if time.monotonic() - told > (TELL_TERMINAL_S if terminal else TELL_FILE_S):
@@ -238,7 +237,7 @@ def prepare(args: argparse.Namespace) -> Flight:
     flown = out / "scenario.yaml"
     flown.write_text(yaml.safe_dump(scenario_document(scenario)), encoding="utf-8")
     specs = plan_nodes(scenario, flown, options, bag=out / "bag", port=free_port(), tuned=tuned)
-    return Flight(specs, out, NodeFaults(scenario.faults, KEPT_GOING))
+    return Flight(specs, out, NodeFaults(scenario.faults, NODES))
 
 
 def main(argv: list[str] | None = None) -> int:

@@ -9,12 +9,10 @@ from typing import Any
 
 from rclpy.serialization import serialize_message
 
-from sar_bridge.follower import FloatArray, FollowerTuning
+from sar_bridge.follower import FollowerTuning
 from sar_bridge.helicopter_futures import Habits
-from sar_bridge.mission_banks import MissionBanks, Write
-from sar_bridge.mission_items import first_ahead
+from sar_bridge.mission_banks import MissionBanks
 from sar_bridge.separation_monitor import (
-    Alert,
     MonitorParameters,
     SeparationMonitor,
     monitor_text,
@@ -32,9 +30,11 @@ from sar_estimator.messages import (
     velocity_message,
 )
 from sar_estimator.parameters import EstimatorParameters
+from sar_estimator.states import FloatArray
 from sar_planner.messages import (
     decision_outputs,
     mission_message,
+    monitor_from_text,
     planner_diagnostics,
     status_outputs,
 )
@@ -42,14 +42,13 @@ from sar_planner.mission import (
     MissionParameters,
     MissionPlanner,
     Mode,
-    MonitorStatus,
     UavStatus,
     WaypointList,
 )
 from sar_planner.vehicle import Vehicle
-from sar_sim.autopilot import FlightMode
 from sar_sim.bag import BagWriter, canonical
 from sar_sim.gps import Reception
+from sar_sim.handover import load_list, tell_monitor
 from sar_sim.helicopter import CornerTruth
 from sar_sim.presets import parameter_values
 from sar_sim.scenario import Scenario, scenario_document
@@ -165,7 +164,6 @@ class OfflineFlight:
             mission = replace(mission, reaction_s=0.0)
         self.planner = MissionPlanner(scenario.corner, mission)
         self.monitor = make_monitor(scenario, watch_only=watch_only)
-        self._refused_s = 0.0
         self._told_monitor = ""
         self._banks = MissionBanks(altitude_m=scenario.sensor.altitude_m)
         self.planner.set_vehicle(Vehicle(parameter_values(scenario.uav)))
@@ -253,10 +251,8 @@ class OfflineFlight:
     def _know(self, source: HelicopterEstimator | TrueEstimates) -> None:
         """Tell the planner what is known of leg, corner, phase and positions."""
         estimate = source.predict(self.now_s)
-        watched = self.monitor.helicopter
         if estimate is not None:
             self.planner.set_helicopter(estimate.motion)
-            watched.set_motion(estimate.motion, *estimate.sigmas)
         uav = replace(self.world.autopilot.motion, time_s=self.now_s)
         self.planner.set_uav(uav)
         self.monitor.set_uav(uav)
@@ -266,10 +262,9 @@ class OfflineFlight:
             self._phase = phase
             self._write(topics.PHASE, text_message(phase))
         self.planner.set_phase(phase)
-        watched.phase, watched.corner = phase, source.corner
+        tell_monitor(self.monitor, estimate, phase, source.corner, source.leg)
         if source.leg is not None:
             self.planner.set_leg(source.leg)
-            watched.set_leg(source.leg)
         if source.corner is not None:
             self.planner.set_corner(source.corner)
 
@@ -310,10 +305,7 @@ class OfflineFlight:
         """Hand a list on when the monitor lets it pass."""
         stamp = waypoints.time_s
         if self.monitor.passes(waypoints.points, stamp, self.now_s):
-            self._refused_s = 0.0
             self._clear(Cleared(waypoints.points, stamp))
-        else:
-            self._refused_s = stamp
         self._tell_monitor()
 
     def _clear(self, cleared: Cleared) -> None:
@@ -330,12 +322,10 @@ class OfflineFlight:
 
     def _tell_monitor(self) -> None:
         """Tell the planner what the monitor says, when that has changed."""
-        monitor = self.monitor
-        status = MonitorStatus(monitor.alert is Alert.ESCAPE, monitor.reason, self._refused_s)
-        text = monitor_text(monitor, self._refused_s)
+        text = monitor_text(self.monitor)
         if text != self._told_monitor:
             self._told_monitor = text
-            self.planner.set_monitor(status)
+            self.planner.set_monitor(monitor_from_text(text))
             self._write(topics.MONITOR, text_message(text))
 
     def _transfer(self) -> None:
@@ -350,24 +340,12 @@ class OfflineFlight:
             self._arrives_s = self.world.time_s + items * self.world.scenario.uav.item_s
 
     def _load(self, waypoints: Cleared) -> None:
-        """Put a list into its bank and lead over to it."""
-        autopilot, climb = self.world.autopilot, waypoints.climb_m
+        """Hand a list to the autopilot."""
         self.monitor.set_uploaded(waypoints.stamp_s)
-        if autopilot.mode is not FlightMode.AUTO or not self._banks.takes(waypoints.points):
-            autopilot.load(self._banks.whole(waypoints.points, self.world.datum, climb_m=climb))
-            autopilot.set_current(first_ahead(waypoints.points, autopilot.motion) + 1)
-            autopilot.set_mode(FlightMode.AUTO)
-            return
-        write = self._banks.fill(
-            waypoints.points, self.world.datum, autopilot.current, climb_m=climb
+        load_list(
+            self.world.autopilot,
+            self._banks,
+            waypoints.points,
+            self.world.datum,
+            climb_m=waypoints.climb_m,
         )
-        self._put(write)
-        step = self._banks.join(autopilot.current, autopilot.motion, within_s=0.0)
-        if isinstance(step, Write):
-            self._put(step)
-        else:
-            autopilot.set_current(step.seq)
-
-    def _put(self, write: Write) -> None:
-        for i, item in enumerate(write.items):
-            self.world.autopilot.replace_item(write.start + i, item)

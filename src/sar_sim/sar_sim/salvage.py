@@ -6,6 +6,7 @@ the last whole one is lost. See https://mcap.dev/spec.
 
 from __future__ import annotations
 
+import os
 import shutil
 import struct
 import tempfile
@@ -65,30 +66,17 @@ def salvaged(folder: Path) -> Iterator[Path]:
     with tempfile.TemporaryDirectory() as scratch:
         file = min(folder.glob("*.mcap"))
         mended = Path(scratch, "mended.mcap")
-        with file.open("rb") as cut, mended.open("wb") as out:
+        shutil.copyfile(file, mended)
+        with mended.open("r+b") as stream:
             try:
-                kept = whole_bytes(cut, file.stat().st_size)
+                stream.truncate(whole_bytes(stream, file.stat().st_size))
             except ValueError as error:
                 raise ValueError(f"{file}: {error}") from error
-            cut.seek(0)
-            shutil.copyfileobj(_Limited(cut, kept), out)
-            out.write(TAIL)
+            stream.seek(0, os.SEEK_END)
+            stream.write(TAIL)
         whole = Path(scratch, "bag")
         _copy(mended, whole)
         yield whole
-
-
-class _Limited:
-    """The first bytes of a stream."""
-
-    def __init__(self, stream: BinaryIO, left: int) -> None:
-        self._stream, self._left = stream, left
-
-    def read(self, size: int = -1) -> bytes:
-        wanted = self._left if size < 0 else min(size, self._left)
-        data = self._stream.read(wanted)
-        self._left -= len(data)
-        return data
 
 
 def _copy(mended: Path, whole: Path) -> None:

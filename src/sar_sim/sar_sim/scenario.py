@@ -13,14 +13,13 @@ from sar_estimator.geodesy import Datum
 from sar_estimator.plane import blown_mps
 from sar_planner.parameters import CornerParameters
 
+# The nodes that lead the UAV: they can fail, and are started again.
+NODES = ("estimator", "planner", "monitor", "bridge")
 # What can fail, and how, in PX4's words.
 FAULTS: dict[str, tuple[str, ...]] = {
     "gps": ("off", "stuck", "garbage", "wrong", "slow", "delayed", "intermittent"),
     "radio": ("off", "slow", "intermittent"),
-    "estimator": ("off", "stuck"),
-    "planner": ("off", "stuck"),
-    "monitor": ("off", "stuck"),
-    "bridge": ("off", "stuck"),
+    **dict.fromkeys(NODES, ("off", "stuck")),
 }
 ODD_ACTIONS = ("other_way", "go_on", "break_off")
 # What a preset of the autopilot changes of the defaults.

@@ -1,0 +1,53 @@
+"""What a flight without sockets hands over itself: lists to the autopilot, news to the monitor."""
+
+from __future__ import annotations
+
+from sar_bridge.mission_banks import MissionBanks, Write
+from sar_bridge.mission_items import first_ahead
+from sar_bridge.separation_monitor import SeparationMonitor
+from sar_estimator.geodesy import Datum
+from sar_estimator.states import CornerEstimate, FloatArray, LegEstimate, MotionEstimate, Phase
+from sar_sim.autopilot import FlightMode, SimAutopilot
+
+
+def load_list(
+    autopilot: SimAutopilot,
+    banks: MissionBanks,
+    points: FloatArray,
+    datum: Datum,
+    *,
+    climb_m: float = 0.0,
+) -> None:
+    """Put a list, shape (n, 2) [m], into its bank and lead over to it, as the bridge does."""
+    if autopilot.mode is not FlightMode.AUTO or not banks.takes(points):
+        autopilot.load(banks.whole(points, datum, climb_m=climb_m))
+        autopilot.set_current(first_ahead(points, autopilot.motion) + 1)
+        autopilot.set_mode(FlightMode.AUTO)
+        return
+    _put(autopilot, banks.fill(points, datum, autopilot.current, climb_m=climb_m))
+    step = banks.join(autopilot.current, autopilot.motion, within_s=0.0)
+    if isinstance(step, Write):
+        _put(autopilot, step)
+    else:
+        autopilot.set_current(step.seq)
+
+
+def _put(autopilot: SimAutopilot, write: Write) -> None:
+    for i, item in enumerate(write.items):
+        autopilot.replace_item(write.start + i, item)
+
+
+def tell_monitor(
+    monitor: SeparationMonitor,
+    estimate: MotionEstimate | None,
+    phase: Phase,
+    corner: CornerEstimate | None,
+    leg: LegEstimate | None,
+) -> None:
+    """Tell the monitor what the estimator knows of the helicopter."""
+    watched = monitor.helicopter
+    if estimate is not None:
+        watched.set_motion(estimate.motion, *estimate.sigmas)
+    watched.phase, watched.corner = phase, corner
+    if leg is not None:
+        watched.set_leg(leg)
