@@ -98,7 +98,6 @@ def test_the_list_goes_on_with_the_uav():
     [
         ({}, FollowerTuning()),
         ({"ROLL_LIMIT_DEG": 60.0, "NAVL1_PERIOD": 12.0}, FollowerTuning(12.0, roll_limit_deg=60.0)),
-        ({"LIM_ROLL_CD": 5000.0}, FollowerTuning(roll_limit_deg=50.0)),
         ({"WP_LOITER_RAD": -60.0}, FollowerTuning(loiter_radius_m=-60.0)),
         ({"WP_LOITER_RAD": 0.0}, FollowerTuning()),
         ({"NAVL1_PERIOD": 0.0}, FollowerTuning()),

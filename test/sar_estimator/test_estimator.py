@@ -218,6 +218,23 @@ def test_lost_and_found():
     assert estimator.phase(t + 30.0) is Phase.ACCELERATING
 
 
+def test_after_a_loss_only_what_can_have_been_reached_is_believed_at_once():
+    *_, (t, estimator) = fly(1e9, sigma=1.0, seed=2, until=40)
+    rng = np.random.default_rng(4)
+    for i in range(1, 60):
+        x, y = rng.uniform(-5e6, 5e6, 2)
+        assert estimator.add_fix(fix_at(t + i, x, y)) is Verdict.OUTLIER
+        assert (estimator.phase(t + i) is Phase.LOST) == (i > 5)
+    assert estimator.add_fix(fix_at(t + 60.0, V * (t + 60.0), 0.0)) is Verdict.ACCEPTED
+    assert estimator.phase(t + 60.0) is Phase.ACCELERATING
+
+
+def test_where_several_fixes_agree_after_a_loss_it_is_believed_however_far():
+    *_, (t, estimator) = fly(1e9, sigma=1.0, seed=2, until=40)
+    verdicts = [estimator.add_fix(fix_at(t + 20.0 + i, 9e3 + V * i, 0.0)) for i in range(4)]
+    assert verdicts == [Verdict.OUTLIER, Verdict.OUTLIER, Verdict.JUMP, Verdict.ACCEPTED]
+
+
 def test_repeats_at_rest_are_real():
     estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
     verdicts = [estimator.add_fix(fix_at(float(t), 5.0, 5.0, 1.0)) for t in range(20)]

@@ -25,7 +25,7 @@ def test_solved_captures_have_the_detour_and_end_on_the_track(x, y, h, factor, d
     grid = np.linspace(-3.0, 3.0, 9)
     turn_1, turn_2 = (axis.ravel() for axis in np.meshgrid(grid, grid))
     for side in (1, -1):
-        batch = problem.solve(turn_1, turn_2, side, detour, straights=pair)
+        batch = problem.solve(problem.arcs(turn_1, turn_2, side), detour, straights=pair)
         assert (batch.rows[:, [STRAIGHT_P, STRAIGHT_Y, STRAIGHT_Q]] >= 0.0).all()
         assert problem.detours_m(batch) == pytest.approx(np.full(len(batch), detour), abs=1e-4)
         assert batch.ends[:, 1] == pytest.approx(np.zeros(len(batch)), abs=1e-4)
@@ -63,8 +63,8 @@ def test_every_dubins_word_reaches_its_target(x, y, h, target):
 
 def test_reach_leaves_out_what_cannot_get_there():
     problem = CaptureProblem(Pose(0.0, -300.0, 0.0), 100.0)
-    left = problem.reach(np.array([0.5]), np.array([0.0]), -1)
-    right = problem.reach(np.array([-0.5]), np.array([0.0]), 1)
+    left = problem.reach(problem.arcs(np.array([0.5]), np.array([0.0]), -1))
+    right = problem.reach(problem.arcs(np.array([-0.5]), np.array([0.0]), 1))
     assert len(left) == 1
     assert left.ends[0, 1] == pytest.approx(0.0, abs=1e-9)
     assert len(right) == 0

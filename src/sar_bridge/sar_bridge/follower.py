@@ -42,16 +42,15 @@ class FollowerTuning:
 
     @classmethod
     def read(cls, values: Mapping[str, float]) -> FollowerTuning:
-        """Return what an ArduPlane's parameters say, old names or new; defaults for the rest.
+        """Return what an ArduPlane's parameters say, under their newer names; else the defaults.
 
         An autopilot without NAVL1_PERIOD is taken to fly the waypoints' polygon closely.
         """
         usual = cls()
-        roll = values.get("ROLL_LIMIT_DEG", values.get("LIM_ROLL_CD", 4500.0) / 100.0)
         found = cls(
             values.get("NAVL1_PERIOD", usual.period_s),
             values.get("NAVL1_DAMPING", usual.damping),
-            roll,
+            values.get("ROLL_LIMIT_DEG", usual.roll_limit_deg),
             values.get("WP_LOITER_RAD", usual.loiter_radius_m) or usual.loiter_radius_m,
         )
         sound = found.period_s > 0.0 and found.damping > 0.0 and 0.0 < found.roll_limit_deg < 90.0

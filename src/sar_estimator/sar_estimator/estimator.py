@@ -112,8 +112,7 @@ class HelicopterEstimator:
         if prediction is None or fix.time_s - self._accepted_s > self.parameters.restart_after_s:
             if refusal is Verdict.REPEATED:
                 return self.screen.note(fix, refusal)
-            self._restart(fix.time_s, position, covariance)
-            return self.screen.note(fix, Verdict.ACCEPTED)
+            return self.screen.note(fix, self._found(fix.time_s, position, covariance))
         if refusal is Verdict.REPEATED and not self._stands(prediction, position, covariance):
             return self.screen.note(fix, refusal)
         surprise = normalised_innovation(self._agile_at(fix.time_s), position, covariance)
@@ -237,6 +236,18 @@ class HelicopterEstimator:
         sigma = math.sqrt(float(np.trace(covariance)) / 2.0)
         row = LegRow(time_s, position[0], position[1], sigma, is_velocity=False)
         self._tracker.update([*velocities, row], self._agile_at(time_s).motion)
+
+    def _found(
+        self, time_s: float, position: tuple[float, float], covariance: FloatArray
+    ) -> Verdict:
+        """Begin again where the helicopter can have flown to since; elsewhere as after a jump."""
+        if self._agile is not None:
+            there = self._agile.position
+            reach_m = TOP_SPEED_MPS * (time_s - self._accepted_s)
+            if math.hypot(position[0] - there[0], position[1] - there[1]) > reach_m:
+                return self._outlier(time_s, position, covariance)
+        self._restart(time_s, position, covariance)
+        return Verdict.ACCEPTED
 
     def _outlier(
         self, time_s: float, position: tuple[float, float], covariance: FloatArray

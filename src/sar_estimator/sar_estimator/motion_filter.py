@@ -72,6 +72,11 @@ class MotionFilter:
         """Return a filter in the same state."""
         return copy.deepcopy(self)
 
+    @property
+    def position(self) -> tuple[float, float]:
+        """The position [m] at the filter's time."""
+        return float(self._kf.x[0]), float(self._kf.x[3])
+
     def _models(self, dt_s: float, sigma_mps2: float) -> tuple[FloatArray, FloatArray]:
         transition, noise = np.zeros((6, 6)), np.zeros((6, 6))
         for axis in (slice(0, 3), slice(3, 6)):

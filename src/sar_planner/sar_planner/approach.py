@@ -210,11 +210,10 @@ class Recapture:
             turn.ravel() for turn in np.meshgrid(_near(row[1]), _near(row[3]), indexing="ij")
         )
         sides = (int(math.copysign(1.0, row[5])),) if row[5] else SIDES
-        batches = []
-        for pair in PAIRS:
-            for side in sides:
-                batch = problem.solve(turn_1, turn_2, side, self._detour_m, straights=pair)
-                batches.append(batch)
+        arcs = [problem.arcs(turn_1, turn_2, side) for side in sides]
+        batches = [
+            problem.solve(one, self._detour_m, straights=pair) for pair in PAIRS for one in arcs
+        ]
         return _no_circles(PathBatch.join(batches))
 
     def _any_turns(self) -> PathBatch:
@@ -227,9 +226,9 @@ class Recapture:
             for second in SIDES:
                 turn_2 = second * np.mod(second * (h2 - h1), TWO_PI)
                 short = (np.abs(turn_1) <= LONGEST_TURN_RAD) & (np.abs(turn_2) <= LONGEST_TURN_RAD)
-                batches += [
-                    problem.solve(turn_1[short], turn_2[short], third, detour) for third in SIDES
-                ]
+                for third in SIDES:
+                    arcs = problem.arcs(turn_1[short], turn_2[short], third)
+                    batches.append(problem.solve(arcs, detour))
         return _no_circles(PathBatch.join(batches))
 
     def _any_lag(self) -> PathBatch:
@@ -240,10 +239,10 @@ class Recapture:
         for first in SIDES:
             turn_1 = first * np.mod(first * (GRID_RAD - self.start.heading_rad), TWO_PI)
             for last in SIDES:
-                batches.append(problem.reach(turn_1, turn_2, last))
+                batches.append(problem.reach(problem.arcs(turn_1, turn_2, last)))
                 for slope in OVERSHOOTS_RAD:
                     over = replace(problem, last_turn_rad=last * slope)
-                    batches.append(over.reach(turn_1, turn_2, -last))
+                    batches.append(over.reach(over.arcs(turn_1, turn_2, -last)))
         return PathBatch.join(batches)
 
     def widest(self) -> tuple[FlightPath, float] | None:

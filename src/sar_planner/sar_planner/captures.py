@@ -97,9 +97,10 @@ class PathBatch:
         flown = np.broadcast_to(distances_m, (len(self.rows), distances_m.shape[-1]))
         ends = np.cumsum(self._parts_m, axis=1)
         # Which part every point is on, as an index into the flattened joints.
-        at = np.broadcast_to(np.arange(len(self.rows))[:, None] * (COLUMNS + 1), flown.shape).copy()
+        part = np.zeros(flown.shape, dtype=np.int8)
         for column in range(COLUMNS):
-            at += flown >= ends[:, column : column + 1]
+            part += flown >= ends[:, column : column + 1]
+        at = np.arange(len(self.rows))[:, None] * (COLUMNS + 1) + part
         begins = np.zeros_like(x)
         begins[:, 1:] = ends
         curvature = np.zeros_like(x)
@@ -138,6 +139,21 @@ def turn_to(heading_rad: FloatArray, target_rad: float | FloatArray, side: int) 
 
 
 @dataclass(frozen=True)
+class Arcs:
+    """What the arcs of n captures do, whatever their straights.
+
+    ``turns_rad``: the first three; ``sines``, ``cosines``: of the headings on the straights, by
+    column; ``lateral_m``, ``detour_m``: lateral way and detour of the arcs alone. Shapes (n,).
+    """
+
+    turns_rad: tuple[FloatArray, FloatArray, FloatArray]
+    sines: dict[int, FloatArray]
+    cosines: dict[int, FloatArray]
+    lateral_m: FloatArray
+    detour_m: FloatArray
+
+
+@dataclass(frozen=True)
 class CaptureProblem:
     """From ``start``, in the slot's frame (track on y = 0, direction +x), onto the slot track.
 
@@ -156,92 +172,68 @@ class CaptureProblem:
     def _lead_factor(self) -> float:
         return self.slow_factor if self.lead_factor is None else self.lead_factor
 
-    def _turns(
-        self, turn_1: FloatArray, turn_2: FloatArray, last_side: int
-    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return headings after each turn, the last turn, and lateral way and detour of arcs."""
-        h0 = self.start.heading_rad
-        h1 = h0 + turn_1
+    def arcs(self, turn_1: FloatArray, turn_2: FloatArray, last_side: int) -> Arcs:
+        """Return the arcs of two turns [rad], shape (n,), a third to ``last_side`` and the last."""
+        h1 = self.start.heading_rad + turn_1
         h2 = h1 + turn_2
         turn_3 = turn_to(h2, -self.last_turn_rad, last_side)
         h3 = h2 + turn_3
         turn_4 = np.broadcast_to(self.last_turn_rad, h3.shape)
+        headings = (np.full_like(h1, self.start.heading_rad), h1, h2, h3, h3 + turn_4)
+        sines = [np.sin(heading) for heading in headings]
+        cosines = [np.cos(heading) for heading in headings]
         r = self.radius_m
         lateral = np.zeros_like(h1)
         forward = np.zeros_like(h1)
-        for turn, before, after in (
-            (turn_1, h0, h1),
-            (turn_2, h1, h2),
-            (turn_3, h2, h3),
-            (turn_4, h3, h3 + turn_4),
-        ):
-            side = np.sign(turn)
-            lateral = lateral + side * r * (np.cos(before) - np.cos(after))
-            forward = forward + side * r * (np.sin(after) - np.sin(before))
+        for i, turn in enumerate((turn_1, turn_2, turn_3, turn_4)):
+            side = np.sign(turn) * r
+            lateral += side * (cosines[i] - cosines[i + 1])
+            forward += side * (sines[i + 1] - sines[i])
         length = r * (np.abs(turn_1) + np.abs(turn_2) + np.abs(turn_3) + np.abs(turn_4))
-        return h1, h2, turn_3, lateral, self.slow_factor * length - forward
+        return Arcs(
+            (turn_1, turn_2, turn_3),
+            dict(zip(STRAIGHTS, sines[:3], strict=True)),
+            dict(zip(STRAIGHTS, cosines[:3], strict=True)),
+            lateral,
+            self.slow_factor * length - forward,
+        )
 
     def solve(
         self,
-        turn_1: FloatArray,
-        turn_2: FloatArray,
-        last_side: int,
+        arcs: Arcs,
         detour_m: float,
         *,
         straights: tuple[int, int] = (STRAIGHT_Y, STRAIGHT_Q),
         lead_m: float = 0.0,
     ) -> PathBatch:
-        """Return the paths with exactly this detour [m]; turns [rad], shape (n,).
+        """Return the paths of these arcs with exactly this detour [m].
 
         ``straights``: which two are solved for; of the others p is ``lead_m`` and q is 0. Rows
         without a solution of straights not below 0 (p not below ``lead_m``) are dropped.
         """
-        h1, h2, turn_3, lateral, arcs_detour = self._turns(turn_1, turn_2, last_side)
-        k = self.slow_factor
-        h0 = self.start.heading_rad
-        headings = {STRAIGHT_P: np.full_like(h1, h0), STRAIGHT_Y: h1, STRAIGHT_Q: h2}
-        want_y = -self.start.y_m - lateral - lead_m * math.sin(h0)
-        want_e = detour_m - arcs_detour - lead_m * (self._lead_factor - math.cos(h0))
-        first, second = (headings[column] for column in straights)
-        a11, a12 = np.sin(first), np.sin(second)
+        k, h0 = self.slow_factor, self.start.heading_rad
+        want_y = -self.start.y_m - arcs.lateral_m - lead_m * math.sin(h0)
+        want_e = detour_m - arcs.detour_m - lead_m * (self._lead_factor - math.cos(h0))
+        a11, a12 = (arcs.sines[column] for column in straights)
         factors = {STRAIGHT_P: self._lead_factor, STRAIGHT_Y: k, STRAIGHT_Q: k}
-        a21, a22 = factors[straights[0]] - np.cos(first), factors[straights[1]] - np.cos(second)
+        a21, a22 = (factors[column] - arcs.cosines[column] for column in straights)
         det = a11 * a22 - a12 * a21
-        safe = np.where(np.abs(det) < SINGULAR, np.inf, det)
+        exists = np.abs(det) >= SINGULAR
+        safe = np.where(exists, det, np.inf)
         solved = ((want_y * a22 - a12 * want_e) / safe, (a11 * want_e - a21 * want_y) / safe)
-        return self._batch(
-            (turn_1, turn_2, turn_3),
-            dict(zip(straights, solved, strict=True)),
-            lead_m,
-            exists=np.abs(det) >= SINGULAR,
-        )
+        return self._batch(arcs, dict(zip(straights, solved, strict=True)), lead_m, exists=exists)
 
-    def reach(
-        self,
-        turn_1: FloatArray,
-        turn_2: FloatArray,
-        last_side: int,
-        *,
-        straight: int = STRAIGHT_Y,
-        lead_m: float = 0.0,
-    ) -> PathBatch:
-        """Return the paths with one straight free, whatever their detour."""
-        h1, h2, turn_3, lateral, _ = self._turns(turn_1, turn_2, last_side)
-        h0 = self.start.heading_rad
-        headings = {STRAIGHT_P: np.full_like(h1, h0), STRAIGHT_Y: h1, STRAIGHT_Q: h2}
-        sine = np.sin(headings[straight])
-        want = -self.start.y_m - lateral - lead_m * math.sin(h0)
-        safe = np.where(np.abs(sine) < SINGULAR, np.inf, sine)
-        return self._batch(
-            (turn_1, turn_2, turn_3),
-            {straight: want / safe},
-            lead_m,
-            exists=np.abs(sine) >= SINGULAR,
-        )
+    def reach(self, arcs: Arcs, *, straight: int = STRAIGHT_Y, lead_m: float = 0.0) -> PathBatch:
+        """Return the paths of these arcs with one straight free, whatever their detour."""
+        sine = arcs.sines[straight]
+        want = -self.start.y_m - arcs.lateral_m - lead_m * math.sin(self.start.heading_rad)
+        exists = np.abs(sine) >= SINGULAR
+        length = want / np.where(exists, sine, np.inf)
+        return self._batch(arcs, {straight: length}, lead_m, exists=exists)
 
     def _batch(
         self,
-        turns: tuple[FloatArray, FloatArray, FloatArray],
+        arcs: Arcs,
         solved: dict[int, FloatArray],
         lead_m: float,
         *,
@@ -250,7 +242,7 @@ class CaptureProblem:
         """Return the paths that exist with none of the straights solved for below its least."""
         rows = np.zeros((len(exists), COLUMNS))
         rows[:, STRAIGHT_P] = lead_m
-        rows[:, 1], rows[:, 3], rows[:, 5] = turns
+        rows[:, 1], rows[:, 3], rows[:, 5] = arcs.turns_rad
         rows[:, 6] = self.last_turn_rad
         good = exists
         for column, length in solved.items():

@@ -107,14 +107,8 @@ class DeadbeatRules:
         self, problem: CaptureProblem, lead_m: float, straights: tuple[int, int]
     ) -> PathBatch:
         """Return the adjustable curves with L(k+1) = 0, by these two straights."""
-        batch = problem.solve(
-            self._turn_1,
-            self._turn_2,
-            -1,
-            self._offset_m,
-            straights=straights,
-            lead_m=lead_m,
-        )
+        arcs = problem.arcs(self._turn_1, self._turn_2, -1)
+        batch = problem.solve(arcs, self._offset_m, straights=straights, lead_m=lead_m)
         return self._short(batch, lead_m)
 
     def weaves(self, problem: CaptureProblem, lead_m: float, headings: FloatArray) -> PathBatch:
@@ -124,8 +118,9 @@ class DeadbeatRules:
         possible = alpha + beta + delta >= HALF_PI
         alpha, beta, delta = alpha[possible], beta[possible], delta[possible]
         woven = replace(problem, last_turn_rad=-delta)
+        arcs = woven.arcs(-alpha, -beta, 1)
         batches = [
-            woven.solve(-alpha, -beta, 1, self._offset_m, straights=pair, lead_m=lead_m)
+            woven.solve(arcs, self._offset_m, straights=pair, lead_m=lead_m)
             for pair in ((STRAIGHT_Y, STRAIGHT_Q), (STRAIGHT_P, STRAIGHT_Y))
         ]
         return self._short(PathBatch.join(batches), lead_m)
@@ -135,18 +130,22 @@ class DeadbeatRules:
     ) -> PathBatch | None:
         """Return the weave that leaves the least unseen: of a grid, then of one about the best."""
         coarse = self.weaves(problem, lead_m, WEAVES_RAD)
-        best = self._least_unseen(coarse, separation_m)
-        if best is None or self.unseen_m2(best)[0] < SEEN * self.parameters.spacing_m**2:
+        best, unseen = self._least_unseen(coarse, separation_m)
+        if best is None or unseen < SEEN * self.parameters.spacing_m**2:
             return best
         headings = np.abs(best.rows[0, [1, 3, 6]])
         finer = self.weaves(problem, lead_m, np.maximum(headings + WEAVES_ABOUT_RAD, 0.0))
-        return self._least_unseen(PathBatch.join([best, finer]), separation_m)
+        return self._least_unseen(PathBatch.join([best, finer]), separation_m)[0]
 
-    def _least_unseen(self, batch: PathBatch, separation_m: float) -> PathBatch | None:
-        """Return, of the shortest paths that keep the separation, the one that sees the most."""
+    def _least_unseen(
+        self, batch: PathBatch, separation_m: float
+    ) -> tuple[PathBatch | None, float]:
+        """Return, of the shortest safe paths, the one that sees the most, and what it does not."""
         order = np.argsort(batch.lengths_m, kind="stable")
         found = self._first_safe(batch, order, separation_m, WOVEN)
-        return self._best_covering(batch.take(found)) if found else None
+        if not found:
+            return None, math.inf
+        return self._best_covering(batch.take(found))
 
     def _first_safe(
         self, batch: PathBatch, order: NDArray[np.intp], separation_m: float, count: int
@@ -173,22 +172,22 @@ class DeadbeatRules:
 
     def curves(self, problem: CaptureProblem, lead_m: float) -> Candidates:
         """Return adjustable curves that begin to turn at once after the lead-in."""
-        batch = problem.reach(self._turn_1, self._turn_2, -1, lead_m=lead_m)
+        arcs = problem.arcs(self._turn_1, self._turn_2, -1)
+        batch = problem.reach(arcs, lead_m=lead_m)
         return self._candidates(Rule.D2, problem, self._short(batch, lead_m))
 
     def cut(self, problem: CaptureProblem, lead_m: float) -> Candidates:
         """Return the cut corner, where the lead-in leaves it."""
-        batch = problem.reach(
-            np.array([-HALF_PI]), np.array([0.0]), -1, straight=STRAIGHT_P, lead_m=lead_m
-        )
+        arcs = problem.arcs(np.array([-HALF_PI]), np.array([0.0]), -1)
+        batch = problem.reach(arcs, straight=STRAIGHT_P, lead_m=lead_m)
         return self._candidates(Rule.D1, problem, batch)
 
     def loops(
         self, problem: CaptureProblem, leads_m: FloatArray, turns_rad: FloatArray = LOOP_TURNS_RAD
     ) -> Candidates:
         """Return outside loops of all these lead-ins [m] and first turns [rad]."""
-        still = np.zeros_like(turns_rad)
-        batches = [problem.reach(turns_rad, still, 1, lead_m=float(lead)) for lead in leads_m]
+        arcs = problem.arcs(turns_rad, np.zeros_like(turns_rad), 1)
+        batches = [problem.reach(arcs, lead_m=float(lead)) for lead in leads_m]
         return self._candidates(Rule.D3, problem, PathBatch.join(batches))
 
     def distances_m(self, batch: PathBatch) -> FloatArray:
@@ -230,7 +229,7 @@ class DeadbeatRules:
                 exact = self.exact(problem, lead_m, straights)
                 best = self._worth_comparing(exact, separation_m)
                 if len(best):
-                    return self._corner_plan(Rule.D2, lag_m, self._best_covering(best))
+                    return self._corner_plan(Rule.D2, lag_m, self._best_covering(best)[0])
         leads = lead_m + self.parameters.turn_radius_m * LOOP_LEADS
         families = [cut, self.curves(problem, lead_m), self.loops(problem, leads)]
         families = [family for family in families if only in (None, family.rule)]
@@ -279,9 +278,11 @@ class DeadbeatRules:
         unique = np.array(sorted(set(found)), dtype=np.intp)
         return batch.take(unique[np.argsort(batch.lengths_m[unique], kind="stable")])
 
-    def _best_covering(self, batch: PathBatch) -> PathBatch:
-        """Return the path, of some in order of length, with the best coverage."""
-        return batch.take([int(np.argmin(self.unseen_m2(batch)))])
+    def _best_covering(self, batch: PathBatch) -> tuple[PathBatch, float]:
+        """Return, of paths in order of length, the one that sees the most, and what it does not."""
+        unseen = self.unseen_m2(batch)
+        best = int(np.argmin(unseen))
+        return batch.take([best]), float(unseen[best])
 
     def _finer_loop(
         self,

@@ -41,8 +41,8 @@ FRAME_SHIFT_M = 8.0
 FRAME_TURN_RAD = math.radians(2.0)
 SETTLED_RAD = math.radians(20.0)
 TIMING_M = 15.0
-MARGIN_SHARE = 0.2
-CORRECTED_SHARE = 0.5
+MARGIN_SHARE = 0.4
+CORRECTED_SHARE = 0.6
 WIDER_M = 5.0
 LONGER_SPACINGS = 1.0
 LATE_FACTOR = 2.5
@@ -275,7 +275,7 @@ class DeadbeatPilot:
     def _separations_m(self) -> tuple[float, float, float]:
         """Return the separations to plan with, the most wanted one first."""
         least, margin = self._corner.separation_m, self._mission.separation_margin_m
-        return least + margin, least + 0.5 * margin, least
+        return least + margin, least + MARGIN_SHARE * margin, least
 
     def _corner_from_anywhere(
         self,

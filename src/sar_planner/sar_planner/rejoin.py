@@ -187,7 +187,7 @@ class _Search:
         first, second, third = sides
         turn_1 = first * np.mod(first * (h1 - problem.start.heading_rad), 2.0 * math.pi)
         turn_2 = second * np.mod(second * (h2 - h1), 2.0 * math.pi)
-        batch = problem.solve(turn_1, turn_2, third, self.task.ahead_m)
+        batch = problem.solve(problem.arcs(turn_1, turn_2, third), self.task.ahead_m)
         speed = self.task.forecast.speed_mps / problem.slow_factor
         return _Found(batch.rows, np.full(len(batch), speed))
 
