@@ -66,6 +66,54 @@ def test_last_item_waits_longer_for_the_final_ack():
     assert len(upload.tick(1.6)) == 1
 
 
+def missing_final_ack():
+    upload = MissionUpload(TARGET)
+    upload.start(items(3), None, 0.0)
+    for seq in range(3):
+        upload.handle(request(seq), 0.0)
+    (again,) = upload.tick(1.6)
+    assert (again.get_type(), again.seq) == ("MISSION_ITEM_INT", 2)
+    (asked,) = upload.handle(ack(mavlink.MAV_MISSION_ERROR), 1.7)
+    assert (asked.get_type(), asked.seq) == ("MISSION_REQUEST_INT", 2)
+    return upload
+
+
+def held(x=2, y=-2, z=150.0, seq=2):
+    still = (0.0, 0.0, 0.0, 0.0)
+    return mavlink.MAVLink_mission_item_int_message(255, 190, seq, 6, 16, 0, 1, *still, x, y, z)
+
+
+def test_a_missing_final_ack_is_made_up_for_by_asking_for_the_last_item():
+    upload = missing_final_ack()
+    assert upload.handle(ack(mavlink.MAV_MISSION_ERROR), 1.75) == []
+    assert upload.handle(held(seq=1), 1.75) == []
+    assert upload.active
+    upload.handle(held(), 1.8)
+    assert upload.state is UploadState.ACCEPTED
+    upload = missing_final_ack()
+    assert upload.tick(3.5)[0].get_type() == "MISSION_REQUEST_INT"
+    upload.handle(ack(), 3.6)
+    assert upload.state is UploadState.ACCEPTED
+
+
+@pytest.mark.parametrize("other", [{"x": 3}, {"y": 0}, {"z": 151.0}])
+def test_a_last_item_that_is_another_is_a_failure(other):
+    upload = missing_final_ack()
+    upload.handle(held(**other), 1.8)
+    assert (upload.state, upload.failure) == (UploadState.FAILED, "item 2 is not the one sent")
+
+
+def test_an_autopilot_that_still_expects_the_last_item_gets_it():
+    upload = missing_final_ack()
+    assert upload.handle(ack(mavlink.MAV_MISSION_DENIED), 1.8) == []
+    (item,) = upload.handle(request(2), 1.9)
+    assert (item.get_type(), item.seq) == ("MISSION_ITEM_INT", 2)
+    assert upload.handle(held(), 2.0) == []
+    assert upload.active
+    upload.handle(ack(), 2.1)
+    assert upload.state is UploadState.ACCEPTED
+
+
 def test_repeated_requests_are_served_and_those_from_nowhere_are_not():
     upload = MissionUpload(TARGET)
     upload.start(items(4), None, 0.0)

@@ -17,10 +17,12 @@ NEWER = {
     "AIRSPEED_MAX": 28.0,
     "FS_GCS_ENABL": 1.0,
     "FS_LONG_TIMEOUT": 5.0,
+    "FS_LONG_ACTN": 1.0,
 }
 OLDER = {
     **{name: NEWER[name] for name in ("NAVL1_PERIOD", "NAVL1_DAMPING", "WP_RADIUS")},
-    **{name: NEWER[name] for name in ("WP_LOITER_RAD", "FS_GCS_ENABL", "FS_LONG_TIMEOUT")},
+    **{name: NEWER[name] for name in ("WP_LOITER_RAD", "FS_GCS_ENABL")},
+    **{name: NEWER[name] for name in ("FS_LONG_TIMEOUT", "FS_LONG_ACTN")},
     "LIM_ROLL_CD": 4500.0,
     "TRIM_ARSPD_CM": 2000.0,
     "ARSPD_FBW_MIN": 12.0,

@@ -14,6 +14,7 @@ GOOD = {
     "AIRSPEED_MIN": 12.0,
     "AIRSPEED_MAX": 28.0,
     "FS_GCS_ENABL": 1.0,
+    "FS_LONG_ACTN": 1.0,
 }
 
 
@@ -46,8 +47,9 @@ def test_wind_that_the_uav_cannot_slow_down_in_asks_for_more_roll():
     assert "ROLL_LIMIT_DEG" in refusal((14.0, 0.0), ROLL_LIMIT_DEG=30.0)
 
 
-def test_a_failsafe_that_is_off_is_told():
-    assert "FS_GCS_ENABL = 0" in Vehicle(GOOD | {"FS_GCS_ENABL": 0.0}).warning()
+@pytest.mark.parametrize("name", ["FS_GCS_ENABL", "FS_LONG_ACTN"])
+def test_a_failsafe_that_does_nothing_is_told(name):
+    assert f"{name} = 0" in Vehicle(GOOD | {name: 0.0}).warning()
     assert Vehicle(GOOD).warning() == ""
     assert Vehicle({}).warning() == ""
 

@@ -56,6 +56,11 @@ class FollowerTuning:
         sound = found.period_s > 0.0 and found.damping > 0.0 and 0.0 < found.roll_limit_deg < 90.0
         return found if sound and math.isfinite(found.loiter_radius_m) else usual
 
+    def fastest_turn_radps(self, speed_mps: float) -> float:
+        """Return the turn rate that the roll limit allows."""
+        pull = self.turn_share * G_MPS2 * math.tan(math.radians(self.roll_limit_deg))
+        return pull / speed_mps
+
 
 class Route:
     """A waypoint list and how far along it the UAV is."""
@@ -100,7 +105,7 @@ class Route:
         """Go on to the waypoint that comes after those that the UAV has passed."""
         while self._at < len(self.points):
             x, y = (float(value) for value in self.points[self._at])
-            if not (_passed(self._begin, (x, y), uav.x_m, uav.y_m) or self._on_next(uav)):
+            if not (is_passed(self._begin, (x, y), uav.x_m, uav.y_m) or self._on_next(uav)):
                 return
             self._begin = (x, y)
             self._at += 1
@@ -117,7 +122,7 @@ class Route:
         return bool(onward and near and dx * way[0] + dy * way[1] > 0.0)
 
 
-def _passed(begin: tuple[float, float], end: tuple[float, float], x_m: float, y_m: float) -> bool:
+def is_passed(begin: tuple[float, float], end: tuple[float, float], x_m: float, y_m: float) -> bool:
     """Whether a point is beyond a leg's finish line, or at its end."""
     dx, dy = x_m - end[0], y_m - end[1]
     onward = dx * (end[0] - begin[0]) + dy * (end[1] - begin[1])
@@ -140,7 +145,6 @@ def follow(
     x, y = uav.x_m, uav.y_m
     speed, course, rate = max(uav.speed_mps, LEAST_SPEED_MPS), uav.course_rad, 0.0
     lag_share = -math.expm1(-STEP_S / max(tuning.roll_lag_s, 1e-3))
-    pull = tuning.turn_share * G_MPS2 * math.tan(math.radians(tuning.roll_limit_deg))
     change = ACCEL_MPS2 * STEP_S
     points = [(float(px), float(py)) for px, py in route.points]
     at, begin = route.target, route.begin
@@ -148,14 +152,14 @@ def follow(
     out = np.empty((count + 1, 2))
     out[0] = x, y
     for i in range(1, count + 1):
-        while at < len(points) and _passed(begin, points[at], x, y):
+        while at < len(points) and is_passed(begin, points[at], x, y):
             begin, at = points[at], at + 1
         if at < len(points):
-            demand = _along(begin, points[at], (x, y), course, speed, tuning)
+            demand = demanded_turn_rate(begin, points[at], (x, y), course, speed, tuning)
         else:
             centre = points[-1] if points else (x, y)
             demand = _around(centre, (x, y), course, speed, tuning)
-        limit = pull / speed
+        limit = tuning.fastest_turn_radps(speed)
         rate += lag_share * (min(max(demand, -limit), limit) - rate)
         course += rate * STEP_S
         speed += min(max(cruise_mps - speed, -change), change)
@@ -165,7 +169,7 @@ def follow(
     return out
 
 
-def _along(
+def demanded_turn_rate(
     begin: tuple[float, float],
     end: tuple[float, float],
     here: tuple[float, float],

@@ -16,6 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sar_bridge.entering import WORTH_M, Track
+from sar_bridge.follower import FollowerTuning
 from sar_bridge.mission_items import FloatArray, MissionItem, first_ahead, waypoint_items
 from sar_estimator.geodesy import Datum
 from sar_estimator.states import Motion
@@ -29,6 +31,7 @@ GAP_M = 10.0
 AHEAD_M = 10.0
 FARTHEST_M = 120.0
 ASIDE_M = 2.0
+MOST_ASIDE_M = 40.0
 SHARPEST = math.cos(math.radians(75.0))
 FOREVER = -1.0
 
@@ -56,6 +59,37 @@ def jump_to(seq: int) -> MissionItem:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class _Lead:
+    """A jump behind item ``kept`` to point ``joined`` of a list.
+
+    ``through``: the points flown to before, from the leg that begins at ``begin`` on.
+    """
+
+    kept: int
+    joined: int
+    through: list[FloatArray]
+    begin: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class _Made:
+    """The item made current last, and whether the leg to it is tracked."""
+
+    seq: int
+    tracked: bool
+
+    def next_tracked(self, current: int) -> bool:
+        """Whether the leg that is begun next is tracked, item ``current`` being flown to."""
+        return current != self.seq
+
+    def direct(self, current: int) -> frozenset[int]:
+        """Return which legs are not tracked, of that to ``current`` and those behind it."""
+        now = current == self.seq + 1 or (current == self.seq and not self.tracked)
+        behind = current == self.seq
+        return frozenset([*([0] if now else []), *([1] if behind else [])])
+
+
 NOWHERE: tuple[int, FloatArray] = (0, np.zeros(2))
 
 
@@ -71,6 +105,7 @@ class MissionBanks:
         self._filled = 0
         self._jump_at: int | None = None
         self._entered = NOWHERE
+        self._made = _Made(0, tracked=True)
 
     def _begin(self, bank: int) -> int:
         return 1 + bank * self._size
@@ -126,31 +161,66 @@ class MissionBanks:
             return None
         return self._points[bank][at]
 
-    def join(self, current: int, uav: Motion, *, within_s: float) -> Write | MakeCurrent:
+    def join(
+        self,
+        current: int,
+        uav: Motion,
+        *,
+        within_s: float,
+        tuning: FollowerTuning | None = None,
+    ) -> Write | MakeCurrent:
         """Return what leads over to the list written last, the UAV flying to item ``current``.
 
-        ``within_s``: how long it may take until a jump is in its place.
+        ``within_s``: how long it may take until a jump is in its place. ``tuning``: the lateral
+        guidance, None where it is not known.
         """
         points = self._points[self._filled]
         begin = self._begin(self._filled)
+        at = first_ahead(points, uav)
+        lead = self._lead(current, uav, within_s, ASIDE_M if tuning is None else MOST_ASIDE_M)
+        if tuning is not None:
+            wanted, flown_to = Track(points[at:], uav, tuning), self._point(current)
+            made = self._made
+            entered, apart_m = wanted.entry(
+                None if flown_to is None else _place(flown_to), tracked=made.next_tracked(current)
+            )
+            at += entered
+            if lead is not None:
+                legs = np.vstack((*lead.through, points[lead.joined :]))
+                if wanted.apart_m(legs, lead.begin, made.direct(current)) > apart_m + WORTH_M:
+                    lead = None
+        if lead is None:
+            self._led_to, self._jump_at, self._entered = self._filled, None, NOWHERE
+            self._made = _Made(begin + at, self._made.next_tracked(current))
+            return MakeCurrent(begin + at)
+        self._led_to, self._jump_at = self._filled, lead.kept + 1
+        self._entered = (begin + lead.joined, lead.through[-1])
+        return Write(lead.kept + 1, (jump_to(begin + lead.joined),))
+
+    def _lead(self, current: int, uav: Motion, within_s: float, aside_m: float) -> _Lead | None:
+        """Return how a jump leads over to the list written last; None where it cannot.
+
+        ``aside_m``: how far beside the way to the waypoint being flown to the points may lie that
+        are left out.
+        """
+        points = self._points[self._filled]
         here = np.array((uav.x_m, uav.y_m))
+        through: list[FloatArray] = []
         for kept in (current, current + 1):
             target = self._point(kept)
             same_bank = self.bank_of(kept + 1) == self.bank_of(current)
             if target is None or not same_bank:
-                break
+                return None
+            through.append(target)
             if math.hypot(*(target - here)) < within_s * uav.speed_mps:
                 continue
             passing = target + self._beside(current, target, here)
             course = target - self._leg_begin(kept, here)
-            entry = _entry(np.vstack((here, points)), target, passing, course)
-            if entry is None:
-                break
-            self._led_to, self._jump_at = self._filled, kept + 1
-            self._entered = (begin + entry, target)
-            return Write(kept + 1, (jump_to(begin + entry),))
-        self._led_to, self._jump_at, self._entered = self._filled, None, NOWHERE
-        return MakeCurrent(begin + first_ahead(points, uav))
+            joined = _joined(np.vstack((here, points)), target, passing, course, aside_m)
+            if joined is None:
+                return None
+            return _Lead(kept, joined, through, _place(self._leg_begin(current, here)))
+        return None
 
     def _leg_begin(self, seq: int, here: FloatArray) -> FloatArray:
         """Return where the leg to an item begins; here where that is not known."""
@@ -177,7 +247,13 @@ class MissionBanks:
             return None
         self._jump_at = None
         led_to = self._led_to
-        return MakeCurrent(self._begin(led_to) + first_ahead(self._points[led_to], uav))
+        seq = self._begin(led_to) + first_ahead(self._points[led_to], uav)
+        self._made = _Made(seq, self._made.next_tracked(current))
+        return MakeCurrent(seq)
+
+
+def _place(point: FloatArray) -> tuple[float, float]:
+    return float(point[0]), float(point[1])
 
 
 def _across(way: FloatArray) -> FloatArray:
@@ -186,8 +262,12 @@ def _across(way: FloatArray) -> FloatArray:
     return across
 
 
-def _entry(
-    line: FloatArray, target: FloatArray, passing: FloatArray, course: FloatArray
+def _joined(
+    line: FloatArray,
+    target: FloatArray,
+    passing: FloatArray,
+    course: FloatArray,
+    aside_m: float,
 ) -> int | None:
     """Return which point of a list, behind the UAV's position in ``line``, comes after ``target``.
 
@@ -210,7 +290,7 @@ def _entry(
         leg += 1
     at = stations[leg] + share[leg] * lengths[leg]
     before = line[1:][stations[1:] < at]
-    if (np.abs((before - line[0]) @ _across(target - line[0])) > ASIDE_M).any():
+    if (np.abs((before - line[0]) @ _across(target - line[0])) > aside_m).any():
         return None
     legs = line[1:] - target
     left_m = ((line[1:] - passing) * legs).sum(axis=1) / np.maximum(np.hypot(*legs.T), 1e-9)

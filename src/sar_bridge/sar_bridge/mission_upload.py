@@ -2,7 +2,8 @@
 
 https://mavlink.io/en/services/mission.html: COUNT, then the autopilot asks for every item, then
 ACK. The sender repeats what was not answered; a newer list supersedes one under way. A part of the
-mission that is held is written with WRITE_PARTIAL_LIST in the place of COUNT.
+mission that is held is written with WRITE_PARTIAL_LIST in the place of COUNT. Where the last item
+is repeated and the autopilot expects none any more, its ACK was lost: the item is asked for.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ COUNT_TIMEOUT_S = 1.5
 ITEM_TIMEOUT_S = 0.25
 COUNT_RETRIES = 8
 ITEM_RETRIES = 20  # five seconds without progress: 40 % may get lost either way
+SAME_ALTITUDE_M = 0.1
 # ArduPilot says INVALID_SEQUENCE to an item it has already, and CANCELLED of a superseded list.
 GOES_ON = (mavlink.MAV_MISSION_INVALID_SEQUENCE, mavlink.MAV_MISSION_OPERATION_CANCELLED)
 
@@ -62,6 +64,7 @@ class MissionUpload:
         self._sent_s = 0.0
         self._tries = 0
         self._highest_asked = -1
+        self._checking = False
 
     @property
     def active(self) -> bool:
@@ -83,6 +86,7 @@ class MissionUpload:
         self.partial, self._first = at is not None, at or 0
         self.state, self.failure = UploadState.COUNTING, ""
         self.started_s = now_s
+        self._checking = False
         self._highest_asked = self._first - 1
         if at is not None:
             part = mavlink.MAVLink_mission_write_partial_list_message(
@@ -121,7 +125,9 @@ class MissionUpload:
         if kind in ("MISSION_REQUEST_INT", "MISSION_REQUEST"):
             return self._request(message, now_s)
         if kind == "MISSION_ACK":
-            self._acknowledged(message, now_s)
+            return self._acknowledged(message, now_s)
+        if kind == "MISSION_ITEM_INT" and self._checking:
+            self._check(message, now_s)
         return []
 
     def _request(
@@ -133,7 +139,7 @@ class MissionUpload:
         if not self._first <= seq < self._end or seq > self._highest_asked + 1:
             # Left over from a list that this one superseded: to answer would mix the two.
             return []
-        self.state = UploadState.SENDING
+        self.state, self._checking = UploadState.SENDING, False
         self._highest_asked = max(self._highest_asked, seq)
         item = self._items[seq - self._first]
         sent = mavlink.MAVLink_mission_item_int_message(
@@ -152,17 +158,53 @@ class MissionUpload:
         )
         return self._send(sent, now_s)
 
-    def _acknowledged(self, message: mavlink.MAVLink_message, now_s: float) -> None:
+    def _acknowledged(
+        self, message: mavlink.MAVLink_message, now_s: float
+    ) -> list[mavlink.MAVLink_message]:
         if getattr(message, "mission_type", 0) != mavlink.MAV_MISSION_TYPE_MISSION:
-            return
+            return []
         complete = self._highest_asked == self._end - 1
         if message.type == mavlink.MAV_MISSION_ACCEPTED:
             if complete:
                 self.state, self.finished_s = UploadState.ACCEPTED, now_s
             # An early ACCEPTED answers an earlier upload: keep on.
+        elif complete and message.type == mavlink.MAV_MISSION_ERROR:
+            # Of the last item repeated, by this side or by the link: it was accepted before.
+            return self._ask_for_last(now_s)
+        elif self._checking and message.type == mavlink.MAV_MISSION_DENIED:
+            pass  # it still waits for the item, and will ask for it
         elif message.type not in GOES_ON:
             name = mavlink.enums["MAV_MISSION_RESULT"].get(message.type)
             self._fail(f"autopilot refused: {name.name if name else message.type}", now_s)
+        return []
+
+    def _ask_for_last(self, now_s: float) -> list[mavlink.MAVLink_message]:
+        """Ask for the last item: an autopilot that still expects items denies it."""
+        if self._checking:
+            return []
+        self._checking = True
+        asked = mavlink.MAVLink_mission_request_int_message(
+            self.target.system,
+            self.target.component,
+            self._end - 1,
+            mavlink.MAV_MISSION_TYPE_MISSION,
+        )
+        return self._send(asked, now_s)
+
+    def _check(self, message: mavlink.MAVLink_message, now_s: float) -> None:
+        """Take the last item as the autopilot holds it."""
+        last = self._items[-1]
+        if message.seq != self._end - 1:
+            return
+        same = (message.command, message.x, message.y) == (
+            last.command,
+            last.latitude_e7,
+            last.longitude_e7,
+        )
+        if same and abs(message.z - last.altitude_m) < SAME_ALTITUDE_M:
+            self.state, self.finished_s = UploadState.ACCEPTED, now_s
+        else:
+            self._fail(f"item {message.seq} is not the one sent", now_s)
 
     def _fail(self, why: str, now_s: float) -> None:
         self.state, self.failure, self.finished_s = UploadState.FAILED, why, now_s

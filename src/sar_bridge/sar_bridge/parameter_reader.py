@@ -20,6 +20,7 @@ NAMES: dict[str, tuple[str, float]] = {
     "AIRSPEED_MAX": ("ARSPD_FBW_MAX", 1.0),
     "FS_GCS_ENABL": ("FS_GCS_ENABL", 1.0),
     "FS_LONG_TIMEOUT": ("FS_LONG_TIMEOUT", 1.0),
+    "FS_LONG_ACTN": ("FS_LONG_ACTN", 1.0),
 }
 OLDER = {old: (name, factor) for name, (old, factor) in NAMES.items()}
 

@@ -13,6 +13,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_bridge.autopilot_state import AutopilotState
 from sar_bridge.commands import Command, CommandQueue, ground_heartbeat
+from sar_bridge.follower import FollowerTuning
 from sar_bridge.mission_banks import MakeCurrent, MissionBanks, Write
 from sar_bridge.mission_items import FloatArray, first_ahead, waypoint_items
 from sar_bridge.mission_upload import Address, MissionUpload, UploadState
@@ -305,7 +306,9 @@ class AutopilotSession:
         motion = None if telemetry is None else telemetry.motion
         out: Messages = []
         if self._upload.partial and not self._joining and motion is not None:
-            step = self._banks.join(self.state.current_item, motion, within_s=JOIN_S)
+            current, told = self.state.current_item, self.parameters
+            tuning = FollowerTuning.read(told) if "NAVL1_PERIOD" in told else None
+            step = self._banks.join(current, motion, within_s=JOIN_S, tuning=tuning)
             if isinstance(step, Write):
                 self._joining = True
                 return self._write(step, now_s)

@@ -63,6 +63,8 @@ class Vehicle:
 
     def warning(self) -> str:
         """Return what the operator must know before he relies on this autopilot."""
-        if self.values.get("FS_GCS_ENABL", 1.0) == 0.0:
-            return "autopilot's FS_GCS_ENABL = 0: it will not act when this laptop falls silent"
+        for name in ("FS_GCS_ENABL", "FS_LONG_ACTN"):
+            # With FS_LONG_ACTN = 0 the failsafe goes on with AUTO: ArduPlane's default.
+            if self.values.get(name, 1.0) == 0.0:
+                return f"autopilot's {name} = 0: it will not act when this laptop falls silent"
         return ""

@@ -6,7 +6,8 @@ from typing import Any, Protocol
 
 from sar_bridge.link import Link
 from sar_sim.autopilot_server import AutopilotServer
-from sar_sim.faults import FaultyRadio
+from sar_sim.faults import AutopilotFaults, FaultyRadio
+from sar_sim.scenario import Fault
 
 HOLD_WAIT_S = 0.002
 MAX_HOLD_S = 2.0
@@ -28,11 +29,13 @@ class AutopilotLink:
         server: AutopilotServer,
         port: int,
         clock: Monotonic,
-        radio: FaultyRadio | None = None,
+        faults: list[Fault] | None = None,
+        seed: int = 0,
     ) -> None:
-        """Send to a ground station at UDP ``port`` of loopback; ``radio`` may lose messages."""
+        """Send to a ground station at UDP ``port`` of loopback; ``faults`` befall it."""
         self._server, self._clock = server, clock
-        self._radio = radio or FaultyRadio([], 0)
+        self._radio = FaultyRadio(faults or [], seed)
+        self._faults = AutopilotFaults(faults or [])
         self._time_s = 0.0
         self._link = Link(f"udpout:127.0.0.1:{port}", system=1, component=1)
 
@@ -56,6 +59,10 @@ class AutopilotLink:
     def report(self, time_s: float) -> None:
         """Send the telemetry due at the simulation's ``time_s`` [s]."""
         self._time_s = time_s
+        if self._faults.booted(time_s):
+            self._server.restart(time_s)
+        if self._faults.taken(time_s):
+            self._server.take()
         self._send(self._server.telemetry(time_s))
 
     def hold(self) -> float:

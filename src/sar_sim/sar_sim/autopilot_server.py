@@ -20,13 +20,16 @@ SETTLE_S = 0.2
 POSITION_PERIOD_S = 0.1
 HEARTBEAT_PERIOD_S = 1.0
 
+LED = (FlightMode.AUTO, FlightMode.GUIDED)
+
 Messages = list[mavlink.MAVLink_message]
 
 
 class AutopilotServer:
     """Answers a ground station on behalf of a ``SimAutopilot``.
 
-    Transfer times are of a monotonic clock [s], telemetry is paced by the simulation's time.
+    Transfer times, and how long the ground station has been silent, are of a monotonic clock [s];
+    telemetry is paced by the simulation's time.
     """
 
     def __init__(self, autopilot: SimAutopilot, datum: Datum) -> None:
@@ -40,7 +43,13 @@ class AutopilotServer:
         self._next_position_s = 0.0
         self._next_heartbeat_s = 0.0
         self._settled_s = -math.inf
-        self.gcs_seen = False
+        self._heard_s = math.inf
+        self._booted_s = 0.0
+
+    @property
+    def gcs_seen(self) -> bool:
+        """Whether a ground station has been heard since the start."""
+        return self._heard_s < math.inf
 
     def transferring(self, now_s: float) -> bool:
         """Whether a mission is on its way in, or was just taken and not yet made current."""
@@ -65,9 +74,30 @@ class AutopilotServer:
         }.get(message.get_type())
         return [] if handler is None else handler(message, now_s)
 
-    def _heard(self, _message: mavlink.MAVLink_message, _now_s: float) -> Messages:
-        self.gcs_seen = True
+    def _heard(self, _message: mavlink.MAVLink_message, now_s: float) -> Messages:
+        self._heard_s = now_s
         return []
+
+    def restart(self, time_s: float) -> None:
+        """Boot anew at the simulation's ``time_s`` [s]: mission and mode are kept, no transfer is.
+
+        As ArduPilot after a watchdog reset in flight.
+        """
+        self._booted_s = time_s
+        self._end = self._next
+        self._settled_s = -math.inf
+
+    def take(self) -> None:
+        """Loiter: a human has chosen that mode."""
+        self._autopilot.set_mode(FlightMode.LOITER)
+
+    def _failsafe(self, now_s: float) -> None:
+        """Return home when no ground station was heard for FS_LONG_TIMEOUT, as it is set up."""
+        told = self._parameters
+        acts = told.get("FS_GCS_ENABL", 0.0) == 1.0 and told.get("FS_LONG_ACTN", 0.0) == 1.0
+        silent_s = now_s - self._heard_s
+        if acts and self._autopilot.mode in LED and silent_s > told["FS_LONG_TIMEOUT"]:
+            self._autopilot.set_mode(FlightMode.RTL)
 
     def _list(self, _message: mavlink.MAVLink_message, _now_s: float) -> Messages:
         return [mavlink.MAVLink_mission_count_message(*self._partner, len(self._autopilot.items))]
@@ -97,7 +127,7 @@ class AutopilotServer:
 
     def _item(self, message: mavlink.MAVLink_message, now_s: float) -> Messages:
         if self._next >= self._end:
-            return []
+            return [self._ack(mavlink.MAV_MISSION_ERROR)]
         if message.seq != self._next:
             # As ArduPilot: the transfer goes on.
             return [self._ack(mavlink.MAV_MISSION_INVALID_SEQUENCE)]
@@ -129,6 +159,8 @@ class AutopilotServer:
 
     def _download(self, message: mavlink.MAVLink_message, _now_s: float) -> Messages:
         seq = message.seq
+        if self._next < self._end:
+            return [self._ack(mavlink.MAV_MISSION_DENIED)]
         if seq >= len(self._autopilot.items):
             return [self._ack(mavlink.MAV_MISSION_INVALID_SEQUENCE)]
         item = self._autopilot.items[seq]
@@ -187,6 +219,7 @@ class AutopilotServer:
 
     def tick(self, now_s: float) -> Messages:
         """Ask again for an item that did not come; give the transfer up after many tries."""
+        self._failsafe(now_s)
         if self._next >= self._end or now_s - self._asked_s < ITEM_TIMEOUT_S:
             return []
         if self._asked >= ITEM_RETRIES:
@@ -243,7 +276,7 @@ class AutopilotServer:
         state = self._autopilot.state
         heading = math.remainder(math.pi / 2.0 - state.heading_rad, 2.0 * math.pi)
         return mavlink.MAVLink_attitude_message(
-            round(time_s * 1e3),
+            round((time_s - self._booted_s) * 1e3),
             self._autopilot.roll_rad,
             0.0,
             heading,
@@ -258,7 +291,7 @@ class AutopilotServer:
         latitude, longitude, altitude = self._datum.to_geodetic(motion.x_m, motion.y_m, height)
         heading = (90.0 - math.degrees(state.heading_rad)) % 360.0
         return mavlink.MAVLink_global_position_int_message(
-            round(time_s * 1e3),
+            round((time_s - self._booted_s) * 1e3),
             round(latitude * 1e7),
             round(longitude * 1e7),
             round(altitude * 1e3),

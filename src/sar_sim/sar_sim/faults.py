@@ -86,7 +86,8 @@ class FaultyReceiver:
 class FaultyRadio:
     """Says which messages of the radio to the UAV get through, either way.
 
-    off: none. slow: one in ``size``. intermittent: a share ``size`` gets lost.
+    off: none; nor while the autopilot is off. slow: one in ``size``. intermittent: a share ``size``
+    gets lost.
     """
 
     def __init__(self, faults: list[Fault], seed: int) -> None:
@@ -98,6 +99,8 @@ class FaultyRadio:
     def gets_through(self, time_s: float) -> bool:
         """Return whether the next message does, at ``time_s`` [s]."""
         self._count += 1
+        if active(self._faults, "autopilot", time_s):
+            return False
         for fault in active(self._faults, "radio", time_s):
             if fault.kind == "off":
                 return False
@@ -106,6 +109,38 @@ class FaultyRadio:
             if fault.kind == "intermittent" and self._rng.random() < fault.size:
                 return False
         return True
+
+
+class AutopilotFaults:
+    """When the autopilot boots anew, and when a human changes its mode.
+
+    autopilot off: silent for so long, then booted. mode wrong: LOITER is chosen.
+    """
+
+    def __init__(self, faults: list[Fault]) -> None:
+        """Take the faults of the autopilot and of its mode."""
+        self._booted = sorted(f.at_s + f.for_s for f in faults if f.component == "autopilot")
+        self._taken = sorted(f.at_s for f in faults if f.component == "mode")
+
+    def booted(self, time_s: float) -> bool:
+        """Return whether it has booted since this was last asked, at ``time_s`` [s]."""
+        return _due(self._booted, time_s)
+
+    def taken(self, time_s: float) -> bool:
+        """Return whether a human has changed its mode since this was last asked."""
+        return _due(self._taken, time_s)
+
+
+def _due(times_s: list[float], now_s: float) -> bool:
+    """Take the times that have come out of a list; return whether there were any."""
+    count = sum(time_s <= now_s for time_s in times_s)
+    del times_s[:count]
+    return count > 0
+
+
+def clock_error_s(faults: list[Fault], time_s: float) -> float:
+    """Return by how much the laptop's clock is wrong [s] at ``time_s``, once set so for good."""
+    return sum(f.size for f in faults if f.component == "clock" and f.at_s <= time_s)
 
 
 class NodeFaults:

@@ -132,7 +132,8 @@ def read_flight(bag: Path) -> FlightData:
 def _track(samples: dict[str, list[tuple[float, float, float, float]]], *preferred: str) -> Track:
     for topic in preferred:
         if topic in samples:
-            values = np.array(samples[topic])
+            # A clock that was set back in flight leaves them out of order.
+            values = np.array(sorted(samples[topic]))
             values = values[np.concatenate(([True], np.diff(values[:, 0]) > 0.0))]
             return Track(values[:, 0], values[:, 1:3], values[:, 3])
     raise ValueError(f"bag without {preferred[-1]}: nothing to report")

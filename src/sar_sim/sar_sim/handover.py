@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from sar_bridge.follower import FollowerTuning
 from sar_bridge.mission_banks import MissionBanks, Write
 from sar_bridge.mission_items import first_ahead
 from sar_bridge.separation_monitor import SeparationMonitor
 from sar_estimator.geodesy import Datum
 from sar_estimator.states import CornerEstimate, FloatArray, LegEstimate, MotionEstimate, Phase
 from sar_sim.autopilot import FlightMode, SimAutopilot
+from sar_sim.presets import parameter_values
 
 
 def load_list(
@@ -25,7 +27,9 @@ def load_list(
         autopilot.set_mode(FlightMode.AUTO)
         return
     _put(autopilot, banks.fill(points, datum, autopilot.current, climb_m=climb_m))
-    step = banks.join(autopilot.current, autopilot.motion, within_s=0.0)
+    told = parameter_values(autopilot.uav)
+    tuning = FollowerTuning.read(told) if told else None
+    step = banks.join(autopilot.current, autopilot.motion, within_s=0.0, tuning=tuning)
     if isinstance(step, Write):
         _put(autopilot, step)
     else:

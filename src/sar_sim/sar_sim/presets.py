@@ -46,5 +46,6 @@ def parameter_values(uav: Uav) -> dict[str, float]:
         "AIRSPEED_MIN": uav.airspeed_min_mps,
         "AIRSPEED_MAX": uav.airspeed_max_mps,
         "FS_GCS_ENABL": 1.0,
-        "FS_LONG_TIMEOUT": 5.0,
+        "FS_LONG_TIMEOUT": 10.0,
+        "FS_LONG_ACTN": 1.0,
     }

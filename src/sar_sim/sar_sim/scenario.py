@@ -19,6 +19,10 @@ NODES = ("estimator", "planner", "monitor", "bridge")
 FAULTS: dict[str, tuple[str, ...]] = {
     "gps": ("off", "stuck", "garbage", "wrong", "slow", "delayed", "intermittent"),
     "radio": ("off", "slow", "intermittent"),
+    "autopilot": ("off",),
+    "mode": ("wrong",),
+    "clock": ("wrong",),
+    "dds": ("off",),
     **dict.fromkeys(NODES, ("off", "stuck")),
 }
 ODD_ACTIONS = ("other_way", "go_on", "break_off")
@@ -173,9 +177,10 @@ class Wind:
 class Fault:
     """Something that fails: ``component``, and how: ``kind``, from ``at_s`` on for ``for_s``.
 
-    ``size``: of gps wrong the error [m], delayed the delay [s]; of slow one in how many gets
-    through; of intermittent the share that is lost. A node that is off is killed, one that is stuck
-    is stopped (and the launcher, not the simulation, does that).
+    ``size``: of gps wrong the error [m], of clock wrong [s]; delayed the delay [s]; of slow one in
+    how many gets through; of intermittent the share that is lost. An autopilot that was off boots
+    anew; a wrong mode is one that a human chose. A node that is off is killed, one that is stuck is
+    stopped, DDS that is off is cut: the launcher, not the simulation, does that.
     """
 
     component: str
@@ -192,7 +197,8 @@ class Fault:
         _expect("kind", self.kind, f"one of {', '.join(kinds)}", ok=self.kind in kinds)
         for name in ("at_s", "for_s", "size"):
             value = getattr(self, name)
-            _expect(name, value, "0 or more", ok=value >= 0.0)
+            if not (name == "size" and self.component == "clock"):
+                _expect(name, value, "0 or more", ok=value >= 0.0)
 
 
 @dataclass(frozen=True, slots=True)

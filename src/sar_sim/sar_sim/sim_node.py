@@ -37,7 +37,6 @@ from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
 from sar_sim.autopilot_link import AutopilotLink
 from sar_sim.autopilot_server import AutopilotServer
-from sar_sim.faults import FaultyRadio
 from sar_sim.offline import corner_truth_text, scenario_text
 from sar_sim.pacer import AutopilotPacer, Pacer, RealTimePacer
 from sar_sim.scenario import Scenario, load_scenario
@@ -75,8 +74,8 @@ class SimNode(Node):
         if parameter(self, "uav", default=True):
             server = AutopilotServer(self._world.autopilot, self._world.datum)
             port = parameter(self, "mavlink_port", 14550)
-            radio = FaultyRadio(scenario.faults, scenario.gps.seed)
-            self._link = AutopilotLink(server, port, time.monotonic, radio)
+            seed = scenario.gps.seed
+            self._link = AutopilotLink(server, port, time.monotonic, scenario.faults, seed)
         self._follower: AutopilotPacer | None = None
         if parameter(self, "follow_autopilot", default=False):
             self._follower = AutopilotPacer(self._speed)
@@ -186,7 +185,7 @@ class SimNode(Node):
     def _ros_time(self) -> float:
         if self._live:
             return now_s(self)
-        return self._world.epoch_s + self._world.time_s
+        return self._world.ros_s
 
     def _publish_clock(self) -> None:
         if self._live:
@@ -213,7 +212,8 @@ class SimNode(Node):
 
     def _publish_truth(self) -> None:
         simulated = self._link is not None
-        for topic, message in self._world.truth(self._ros_time(), uav=simulated):
+        stamp = now_s(self) if self._live else self._world.true_s
+        for topic, message in self._world.truth(stamp, uav=simulated):
             sender = self._true_uav if topic == topics.TRUE_UAV else self._true_helicopter
             sender.publish(message)
 

@@ -14,7 +14,7 @@ from sar_estimator.geodesy import Datum
 from sar_estimator.messages import motion_to_odometry
 from sar_estimator.plane import Pose
 from sar_sim.autopilot import SimAutopilot
-from sar_sim.faults import FaultyReceiver
+from sar_sim.faults import FaultyReceiver, clock_error_s
 from sar_sim.gps import FixSource, NoReceiver, Reception, RecordedTrack, SimulatedGps
 from sar_sim.helicopter import CornerTruth, PatternHelicopter
 from sar_sim.scenario import Scenario
@@ -88,6 +88,20 @@ class World:
         return self._steps * STEP_S
 
     @property
+    def true_s(self) -> float:
+        """The time that a clock without faults shows [s]."""
+        return self.epoch_s + self.time_s
+
+    @property
+    def ros_s(self) -> float:
+        """The time that the laptop's clock shows, and the ROS clock with it [s]."""
+        return self.true_s + self._clock_error_s
+
+    @property
+    def _clock_error_s(self) -> float:
+        return clock_error_s(self.scenario.faults, self.time_s)
+
+    @property
     def finished(self) -> bool:
         """Whether the helicopter's flight is over."""
         return self.time_s >= self.end_s
@@ -114,7 +128,8 @@ class World:
         ]
 
     def _stamp(self, fix: Fix) -> float:
-        return fix.time_s + self.epoch_s if self.helicopter is not None else fix.time_s
+        epoch_s = self.epoch_s if self.helicopter is not None else 0.0
+        return fix.time_s + epoch_s + self._clock_error_s
 
     def truth(self, ros_time_s: float, *, uav: bool = True) -> list[tuple[str, Odometry]]:
         """Return the true motions as topics and messages; ``uav``: whether its one is flown."""

@@ -1,0 +1,111 @@
+"""How nearly a UAV flies a new list, by the way in which it is led over to it.
+
+By a jump, its legs stay legs like any others. By DO_SET_MISSION_CURRENT, ArduPlane tracks the line
+from the waypoint it was flying to, to the new one; on the leg behind that it heads for the end
+instead, and so it does where such a command follows upon another on the same leg. A leg whose
+finish line is behind the UAV already begins where the UAV is: it turns back. Waypoints that stand
+close together in a turn, aside of the UAV's way, so bend it far from where the list was to lead it.
+All of that is flown in advance here, and compared with the list flown leg by leg.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sar_bridge.follower import FollowerTuning, demanded_turn_rate, is_passed
+from sar_estimator.states import FloatArray, Motion
+
+STEP_S = 0.1
+LOOKED_AHEAD_S = 8.0
+REACH_M = 200.0
+TRIED = 10
+WORTH_M = 1.0
+
+Point = tuple[float, float]
+
+
+@dataclass
+class _Way:
+    """Legs through points; ``direct``: those on which the UAV heads for the end."""
+
+    points: list[Point]
+    begin: Point
+    direct: frozenset[int] = frozenset()
+    at: int = 0
+
+    def leg(self, here: Point) -> tuple[Point, Point] | None:
+        """Return the line being flown; None behind the last."""
+        if self.at < len(self.points) and is_passed(self.begin, self.points[self.at], *here):
+            self.begin = self.points[self.at]
+            self.at += 1
+            if self.at in self.direct or (
+                self.at < len(self.points) and is_passed(self.begin, self.points[self.at], *here)
+            ):
+                self.begin = here
+        if self.at >= len(self.points):
+            return None
+        return (here if self.at in self.direct else self.begin), self.points[self.at]
+
+
+class Track:
+    """The track of a UAV that flies a list, shape (n, 2) [m], leg by leg from where it is."""
+
+    def __init__(self, points: FloatArray, uav: Motion, tuning: FollowerTuning) -> None:
+        """Fly it."""
+        self._points = _places(points)
+        self._uav, self._tuning = uav, tuning
+        self._here = (uav.x_m, uav.y_m)
+        self._wanted = self._flown(_Way(self._points, self._here))
+
+    def apart_m(self, points: FloatArray, begin: Point, direct: frozenset[int]) -> float:
+        """Return how far apart the UAV gets that flies other points, the first leg from ``begin``.
+
+        [m], within ``LOOKED_AHEAD_S``. ``direct``: the legs on which it heads for the end.
+        """
+        return self._apart_m(_Way(_places(points), begin, direct))
+
+    def entry(self, flown_to: Point | None, *, tracked: bool) -> tuple[int, float]:
+        """Return which waypoint to make current, and how far apart the UAV gets then [m].
+
+        ``flown_to``: the waypoint being flown to until then, None where it is not known.
+        ``tracked``: whether the first leg will be.
+        """
+        direct = frozenset((1,) if tracked else (0, 1))
+        best, least = 0, math.inf
+        for i, point in enumerate(self._points[:TRIED]):
+            if i > 0 and math.dist(self._here, point) > REACH_M:
+                break
+            begin = self._here if flown_to is None else flown_to
+            begin = self._here if is_passed(begin, point, *self._here) else begin
+            apart = self._apart_m(_Way(self._points[i:], begin, direct))
+            if apart < least - WORTH_M:
+                best, least = i, apart
+        return best, least
+
+    def _apart_m(self, way: _Way) -> float:
+        return float(np.hypot(*(self._flown(way) - self._wanted).T).max())
+
+    def _flown(self, way: _Way) -> FloatArray:
+        """Return where the UAV comes, shape (n, 2) [m], every ``STEP_S``."""
+        uav, tuning = self._uav, self._tuning
+        x, y = self._here
+        speed, course, rate = max(uav.speed_mps, 1.0), uav.course_rad, 0.0
+        share = -math.expm1(-STEP_S / max(tuning.roll_lag_s, 1e-3))
+        limit = tuning.fastest_turn_radps(speed)
+        out = []
+        for _ in range(round(LOOKED_AHEAD_S / STEP_S)):
+            leg = way.leg((x, y))
+            demand = 0.0 if leg is None else demanded_turn_rate(*leg, (x, y), course, speed, tuning)
+            rate += share * (min(max(demand, -limit), limit) - rate)
+            course += rate * STEP_S
+            x += STEP_S * speed * math.cos(course)
+            y += STEP_S * speed * math.sin(course)
+            out.append((x, y))
+        return np.array(out)
+
+
+def _places(points: FloatArray) -> list[Point]:
+    return [(float(x), float(y)) for x, y in points]
