@@ -100,5 +100,4 @@ for option in "$@"; do
         exit 0
     fi
 done
-export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"
 exec install/sar_sim/lib/sar_sim/launch "$@"

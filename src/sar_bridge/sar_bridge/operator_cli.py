@@ -9,6 +9,7 @@ import rclpy
 from std_srvs.srv import Trigger
 
 from sar_estimator import topics
+from sar_estimator.node_support import start_ros
 
 SERVICES = {
     "engage": topics.ENGAGE,
@@ -23,7 +24,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("action", choices=SERVICES)
     parser.add_argument("--timeout", type=float, default=10.0, help="seconds to wait for an answer")
     args = parser.parse_args(argv)
-    rclpy.init()
+    start_ros()
     try:
         node = rclpy.create_node("operator")
         client = node.create_client(Trigger, SERVICES[args.action])

@@ -14,10 +14,18 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from sar_estimator.loopback import stay_on_machine
+
 RELIABLE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 LATCHED = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
 )
+
+
+def start_ros(**options: Any) -> None:
+    """Start ROS as ``rclpy.init`` does; DDS stays on this machine unless otherwise asked for."""
+    stay_on_machine(os.environ)
+    rclpy.init(**options)
 
 
 def now_s(node: Node) -> float:
@@ -84,7 +92,7 @@ def end_process(code: int) -> NoReturn:
 
 def run_node(name: str, make: Callable[[], Node]) -> int:
     """Run a node until SIGINT, SIGTERM or shutdown; 2 and one line when it refuses to start."""
-    rclpy.init()
+    start_ros()
     try:
         node = make()
         refuse_unknown_parameters(node)

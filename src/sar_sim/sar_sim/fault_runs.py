@@ -15,6 +15,7 @@ from sar_sim.metrics import separation, true_lag_m
 from sar_sim.scenario import NODES, Fault, Pattern, Scenario
 
 AT_S = 60.0
+SIZED = ("wrong", "slow", "delayed")
 FIGURES = re.compile(r"[\d.]+")
 CASES: tuple[Fault, ...] = (
     Fault("gps", "off", AT_S),
@@ -28,6 +29,11 @@ CASES: tuple[Fault, ...] = (
     Fault("radio", "off", AT_S),
     Fault("radio", "slow", AT_S, 60.0, 3.0),
     Fault("radio", "intermittent", AT_S, 60.0, 0.4),
+    Fault("autopilot", "off", AT_S, 3.0),
+    Fault("mode", "wrong", AT_S),
+    Fault("clock", "wrong", AT_S, size=30.0),
+    Fault("clock", "wrong", AT_S, size=-30.0),
+    Fault("dds", "off", AT_S, 30.0),
     *(Fault(name, "off", AT_S) for name in NODES),
     *(Fault(name, "stuck", AT_S, 30.0) for name in NODES),
 )
@@ -51,9 +57,12 @@ class FaultRun:
     def row(self) -> str:
         """Return it as a row of the table."""
         fault = self.fault
-        size = f", {fault.size:g}" if fault.kind in ("wrong", "slow", "delayed") else ""
+        sized = fault.kind in ("slow", "delayed") or fault.component in ("gps", "clock")
+        size = f", {fault.size:g}" if sized and fault.kind in SIZED else ""
         size = f", {fault.size:.0%}" if fault.kind == "intermittent" else size
-        length = "" if fault.component in NODES and fault.kind == "off" else f" {fault.for_s:g} s"
+        at_once = fault.component in ("mode", "clock")
+        at_once = at_once or (fault.component in NODES and fault.kind == "off")
+        length = "" if at_once else f" {fault.for_s:g} s"
         # A node is killed, missed and started in real time, at any speed of the simulation.
         real = fault_speed(fault) if fault.component in NODES else 1.0
         after = "–" if self.after_s is None else f"{self.after_s / real:.1f}"
@@ -77,7 +86,7 @@ def fault_scenario(base: Scenario, fault: Fault) -> Scenario:
 
 def fault_speed(fault: Fault) -> float:
     """Return the speed to fly at: a node takes as long to start at any."""
-    return 4.0 if fault.component in NODES else 10.0
+    return 4.0 if fault.component in (*NODES, "dds", "autopilot") else 10.0
 
 
 def _problems(message: Any) -> list[str]:
@@ -96,9 +105,12 @@ def read_run(fault: Fault, bag: Path) -> FaultRun:
     modes: list[str] = []
     known: set[str] = set()
     alert = "none"
+    stepped_s = fault.size if fault.component == "clock" else 0.0
     for topic, time_s, message in read_messages(
         bag, {topics.DIAGNOSTICS, topics.MODE, topics.MONITOR}
     ):
+        if stepped_s < 0.0 and time_s < fault.at_s:
+            continue  # what was recorded before and after it was set back is mixed here
         if topic == topics.MODE and (not modes or modes[-1] != message.data):
             modes.append(message.data)
         if topic == topics.MONITOR and json.loads(message.data)["alert"] != alert:
@@ -111,6 +123,6 @@ def read_run(fault: Fault, bag: Path) -> FaultRun:
                 if time_s < fault.at_s:
                     known.add(kind)
                 elif not said and kind not in known:
-                    said, after = problem, time_s - fault.at_s
+                    said, after = problem, time_s - fault.at_s - stepped_s
     lags = tuple(true_lag_m(data, corner) for corner in data.corners)
     return FaultRun(fault, said, after, tuple(modes), float(distances.min()), lags)

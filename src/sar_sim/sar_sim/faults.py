@@ -144,17 +144,19 @@ def clock_error_s(faults: list[Fault], time_s: float) -> float:
 
 
 class NodeFaults:
-    """Which nodes are to be killed, stopped and let go on, in the order of time."""
+    """Which nodes are to be killed, stopped and let go on, in the order of time.
+
+    DDS that is off is like a node that is stopped: it goes on after its time.
+    """
 
     def __init__(self, faults: list[Fault], nodes: tuple[str, ...]) -> None:
         """Take the faults of ``nodes``."""
         steps: list[tuple[float, str, str]] = []
         for fault in faults:
             if fault.component in nodes:
-                steps.append(
-                    (fault.at_s, fault.component, "kill" if fault.kind == "off" else "stop")
-                )
-                if fault.kind == "stuck":
+                killed = fault.kind == "off" and fault.component != "dds"
+                steps.append((fault.at_s, fault.component, "kill" if killed else "stop"))
+                if not killed:
                     steps.append((fault.at_s + fault.for_s, fault.component, "go on"))
         self._steps = sorted(steps)
 

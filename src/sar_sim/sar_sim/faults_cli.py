@@ -10,6 +10,7 @@ from pathlib import Path
 
 import yaml
 
+from sar_sim.dds_cut import IN_OWN_NETWORK
 from sar_sim.fault_runs import CASES, HEADER, fault_scenario, fault_speed, read_run
 from sar_sim.options import find_scenario
 from sar_sim.scenario import Fault, Scenario, load_scenario, scenario_document
@@ -24,6 +25,8 @@ def fly(fault: Fault, base: Scenario, out: Path) -> Path:
     file.write_text(yaml.safe_dump(scenario_document(fault_scenario(base, fault))), "utf-8")
     command = [sys.executable, "-m", "sar_sim.launch_cli", "--scenario", str(file)]
     command += ["--speed", f"{fault_speed(fault):g}", "--out", str(out / "run")]
+    if fault.component == "dds":
+        command = [*IN_OWN_NETWORK, *command]
     done = subprocess.run(  # noqa: S603
         command, capture_output=True, text=True, timeout=PATIENCE_S, check=False
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import os
+import math
 import signal
 import socket
 import sys
@@ -22,9 +22,10 @@ from rclpy.signals import SignalHandlerOptions
 from sar_bridge.link import opener
 from sar_estimator import topics
 from sar_estimator.messages import from_stamp
-from sar_estimator.node_support import RELIABLE
+from sar_estimator.node_support import RELIABLE, start_ros
 from sar_planner.parameters import ParameterError
 from sar_planner.rule_sets import RULE_SETS, make_rule_set
+from sar_sim.dds_cut import DdsCut
 from sar_sim.faults import NodeFaults
 from sar_sim.home_link import home_of
 from sar_sim.launch_plan import FlightOptions, NodeSpec, parameter_document, plan_nodes, read_tuned
@@ -45,6 +46,7 @@ TELL_TERMINAL_S, TELL_FILE_S = 0.5, 5.0
 RESTARTS = 5
 SETTLED_S = 3.0
 HANGS_S = 10.0
+SILENT_S = 2.0
 FAULT_SIGNALS = {"kill": signal.SIGKILL, "stop": signal.SIGSTOP, "go on": signal.SIGCONT}
 
 
@@ -57,23 +59,34 @@ class Watcher(Node):
         self.values: dict[str, dict[str, str]] = {}
         self.problems: dict[str, str] = {}
         self.heard_s: dict[str, float] = {}
-        self.newest_s = 0.0
+        self._newest_s = 0.0
+        self._last_s = self._since_s = -math.inf
         self.create_subscription(DiagnosticArray, topics.DIAGNOSTICS, self._on, RELIABLE)
 
     def _on(self, message: DiagnosticArray) -> None:
-        self.newest_s = max(self.newest_s, from_stamp(message.header.stamp))
+        self._newest_s = from_stamp(message.header.stamp)
+        now = time.monotonic()
+        if now - self._last_s > SILENT_S:
+            self._since_s = now
+        self._last_s = now
         for status in message.status:
-            self.heard_s[status.name] = time.monotonic()
+            self.heard_s[status.name] = now
             self.values[status.name] = {item.key: item.value for item in status.values}
             self.values[status.name]["time_s"] = str(message.header.stamp.sec)
             bad = int.from_bytes(status.level, "little") > 0
             self.problems[status.name] = status.message if bad else ""
 
     def hangs(self, name: str) -> bool:
-        """Whether a node has said nothing for long while others have: the clock goes on."""
-        now, heard = time.monotonic(), self.heard_s
-        others = max((at for other, at in heard.items() if other != name), default=0.0)
-        return now - heard.get(name, now) > HANGS_S and now - others < 0.2 * HANGS_S
+        """Whether a node has said nothing for long while others have all the time."""
+        now = time.monotonic()
+        silent_s = now - max(self.heard_s.get(name, now), self._since_s)
+        return silent_s > HANGS_S and now - self._last_s < SILENT_S
+
+    def time_s(self, speed: float) -> float:
+        """Return the graph's time [s], carried on at a speed while nothing is heard."""
+        silent_s = time.monotonic() - self._last_s
+        carried_on = SILENT_S < silent_s < math.inf
+        return self._newest_s + (speed * silent_s if carried_on else 0.0)
 
     def line(self, bag: Path) -> str:
         """Return progress in one line."""
@@ -97,8 +110,8 @@ class Watcher(Node):
 class Flight:
     """The running nodes of one flight."""
 
-    def __init__(self, specs: list[NodeSpec], out: Path, faults: NodeFaults) -> None:
-        """Write the parameters."""
+    def __init__(self, specs: list[NodeSpec], out: Path, scenario: Scenario, speed: float) -> None:
+        """Write the parameters. Raises ``OSError`` where a fault is not possible here."""
         self.out, self.bag = out, out / "bag"
         self.stopped_by = ""
         parameters = out / "params.yaml"
@@ -108,7 +121,9 @@ class Flight:
         self._specs, self._parameters, self._logs = specs, parameters, logs
         self.nodes: list[NodeProcess] = []
         self.restarts = 0
-        self._faults = faults
+        self._faults, self._speed = NodeFaults(scenario.faults, (*NODES, "dds")), speed
+        cut = any(fault.component == "dds" for fault in scenario.faults)
+        self._cut = DdsCut() if cut else None
 
     def start(self) -> None:
         """Start every node, unless the flight shall end already."""
@@ -164,10 +179,7 @@ class Flight:
             if ended is not None and not self.restart(ended):
                 return ended
             rclpy.spin_once(watcher, timeout_sec=0.1)
-            for name, action in self._faults.due(watcher.newest_s):
-                for node in self.nodes:
-                    if node.name == name:
-                        node.signal(FAULT_SIGNALS[action])
+            self._befall(watcher.time_s(self._speed))
             for node in self.nodes:
                 if node.name in NODES and node.age_s > HANGS_S and watcher.hangs(node.name):
                     sys.stderr.write(f"launch: node {node.name} hangs: killed\n")
@@ -178,6 +190,15 @@ class Flight:
                 sys.stdout.write(f"\r\x1b[K{text}" if terminal else f"{text}\n")
                 sys.stdout.flush()
         return None
+
+    def _befall(self, time_s: float) -> None:
+        """Inject the faults of nodes and of DDS that are due."""
+        for name, action in self._faults.due(time_s):
+            if self._cut is not None and name == "dds":
+                (self._cut.on if action == "go on" else self._cut.off)()
+            for node in self.nodes:
+                if node.name == name:
+                    node.signal(FAULT_SIGNALS[action])
 
     def stop(self) -> None:
         """Stop every node, the recorder last so that it hears the others to the end."""
@@ -237,7 +258,7 @@ def prepare(args: argparse.Namespace) -> Flight:
     flown = out / "scenario.yaml"
     flown.write_text(yaml.safe_dump(scenario_document(scenario)), encoding="utf-8")
     specs = plan_nodes(scenario, flown, options, bag=out / "bag", port=free_port(), tuned=tuned)
-    return Flight(specs, out, NodeFaults(scenario.faults, NODES))
+    return Flight(specs, out, scenario, options.pace)
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -248,10 +269,7 @@ def main(argv: list[str] | None = None) -> int:
     except (OSError, ValueError, ParameterError) as error:
         sys.stderr.write(f"launch: {error}\n")
         return 2
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    # A process that is killed can leave shared memory locked, and hang every other node with it.
-    os.environ.setdefault("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    start_ros(signal_handler_options=SignalHandlerOptions.NO)
     watcher = Watcher()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, flight.on_signal)

@@ -16,7 +16,7 @@ from rosgraph_msgs.msg import Clock
 
 from sar_estimator import topics
 from sar_estimator.messages import to_stamp
-from sar_estimator.node_support import LATCHED, RELIABLE
+from sar_estimator.node_support import LATCHED, RELIABLE, start_ros
 from sar_sim.bag import BAG_ERRORS, open_bag
 from sar_sim.message_types import get_message
 
@@ -80,7 +80,7 @@ def main(argv: list[str] | None = None) -> int:
     args, ros_args = parser.parse_known_args(argv)
     if args.rate <= 0.0:
         parser.error(f"--rate {args.rate}: expected more than 0")
-    rclpy.init(args=ros_args)
+    start_ros(args=ros_args)
     try:
         node = PlayNode(args.bag, rate=args.rate, chosen=args.topics)
         count = node.play()

@@ -32,7 +32,7 @@ from sar_estimator.messages import (
     to_stamp,
     velocity_message,
 )
-from sar_estimator.node_support import LATCHED, RELIABLE, end_process, now_s, parameter
+from sar_estimator.node_support import LATCHED, RELIABLE, end_process, now_s, parameter, start_ros
 from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
 from sar_sim.autopilot_link import AutopilotLink
@@ -231,7 +231,7 @@ class SimNode(Node):
 
 def main() -> int:
     """Fly the scenario; 2 when it cannot be flown."""
-    rclpy.init()
+    start_ros()
     node: SimNode | None = None
     try:
         node = SimNode()
