@@ -15,7 +15,7 @@ DOMAINS = itertools.count(20 + os.getpid() % 60)
 class Launch:
     """One run of the installed launcher, in its own ROS domain."""
 
-    def __init__(self, out, *options):
+    def __init__(self, out, *options, before=()):
         self.out = out
         self.environment = dict(
             os.environ,
@@ -25,7 +25,7 @@ class Launch:
         )
         program = ROOT / "install" / "sar_sim" / "lib" / "sar_sim" / "launch"
         self.process = subprocess.Popen(
-            [str(program), "--out", str(out), *options],
+            [*before, str(program), "--out", str(out), *options],
             cwd=ROOT,
             env=self.environment,
             stdout=subprocess.PIPE,
@@ -71,8 +71,8 @@ class Launch:
 def launch(tmp_path):
     running = []
 
-    def start(*options, name="run"):
-        running.append(Launch(tmp_path / name, *options))
+    def start(*options, name="run", before=()):
+        running.append(Launch(tmp_path / name, *options, before=before))
         return running[-1]
 
     yield start

@@ -7,6 +7,7 @@ from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose
 from sar_sim.autopilot import FlightMode, SimAutopilot
 from sar_sim.autopilot_server import AutopilotServer
+from sar_sim.scenario import AUTOPILOTS, Uav
 
 DATUM = Datum(37.8, -122.8)
 GROUND = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)
@@ -63,10 +64,13 @@ def test_missing_item_is_asked_for_again_and_given_up(server):
     assert server.tick(20.0) == []
 
 
-def test_wrong_sequence_and_items_out_of_the_blue_are_ignored(server):
+def test_wrong_sequence_and_items_out_of_the_blue_are_answered_as_ardupilot_does(server):
     items = waypoint_items(np.array([[100.0, 5.0]]), DATUM, 150.0)
-    assert tell(server, item(0, items[0])) == []
+    (unasked,) = tell(server, item(0, items[0]))
+    assert unasked.type == mavlink.MAV_MISSION_ERROR
     tell(server, mavlink.MAVLink_mission_count_message(1, 1, 3))
+    (denied,) = tell(server, mavlink.MAVLink_mission_request_int_message(1, 1, 0))
+    assert denied.type == mavlink.MAV_MISSION_DENIED
     (wrong,) = tell(server, item(2, items[2]))
     assert wrong.type == mavlink.MAV_MISSION_INVALID_SEQUENCE
     assert server.transferring(0.0)
@@ -114,3 +118,53 @@ def test_telemetry_rates(server):
     beat = server._heartbeat()
     assert beat.custom_mode == FlightMode.GUIDED
     assert beat.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED
+
+
+def arduplane():
+    uav = Uav(autopilot="arduplane", **AUTOPILOTS["arduplane"])
+    pilot = SimAutopilot(Pose(0, 0, 0), speed_mps=20.0, uav=uav, datum=DATUM)
+    server = AutopilotServer(pilot, DATUM)
+    upload(server, waypoint_items(np.array([[100.0, 5.0], [9000.0, -70.0]]), DATUM, 150.0))
+    pilot.set_mode(FlightMode.AUTO)
+    return pilot, server
+
+
+def heartbeat(server, now):
+    beat = mavlink.MAVLink_heartbeat_message(mavlink.MAV_TYPE_GCS, 8, 0, 0, 0, 3)
+    tell(server, beat, now)
+
+
+def test_a_ground_station_that_falls_silent_sends_arduplane_home():
+    pilot, server = arduplane()
+    server.tick(100.0)
+    assert pilot.mode is FlightMode.AUTO  # none was ever heard
+    for now in range(100, 130):
+        heartbeat(server, float(now))
+        server.tick(now + 0.9)
+    server.tick(129.0 + 9.9)
+    assert pilot.mode is FlightMode.AUTO
+    server.tick(129.0 + 10.1)
+    assert pilot.mode is FlightMode.RTL
+
+
+def test_a_human_who_has_taken_the_mode_keeps_it():
+    pilot, server = arduplane()
+    heartbeat(server, 0.0)
+    server.take()
+    assert pilot.mode is FlightMode.LOITER
+    server.tick(60.0)
+    assert pilot.mode is FlightMode.LOITER
+
+
+def test_an_autopilot_that_boots_keeps_mission_and_mode_and_forgets_a_transfer():
+    pilot, server = arduplane()
+    tell(server, mavlink.MAVLink_mission_count_message(1, 1, 4))
+    held = len(pilot.items)
+    server.restart(500.0)
+    assert not server.transferring(0.0)
+    assert (pilot.mode, len(pilot.items)) == (FlightMode.AUTO, held)
+    (position,) = [m for m in server.telemetry(501.5) if m.get_type() == "GLOBAL_POSITION_INT"]
+    assert position.time_boot_ms == 1500
+    assert tell(server, item(0, waypoint_items(np.zeros((1, 2)), DATUM, 1.0)[0]))[0].type == (
+        mavlink.MAV_MISSION_ERROR
+    )

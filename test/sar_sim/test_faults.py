@@ -8,12 +8,13 @@ import pytest
 from sar_estimator.fixes import Fix
 from sar_sim.bag import BagWriter
 from sar_sim.fault_runs import CASES, HEADER, NODES, fault_scenario, fault_speed, read_run
-from sar_sim.faults import FaultyRadio, FaultyReceiver, NodeFaults
+from sar_sim.faults import AutopilotFaults, FaultyRadio, FaultyReceiver, NodeFaults
 from sar_sim.gps import Reception
 from sar_sim.missions import Observer
 from sar_sim.offline import OfflineFlight
 from sar_sim.options import find_scenario
-from sar_sim.scenario import FAULTS, Fault, load_scenario
+from sar_sim.scenario import FAULTS, Fault, ScenarioError, load_scenario
+from sar_sim.world import World
 
 
 class Northward:
@@ -90,6 +91,38 @@ def test_nodes_are_killed_and_stopped_in_time():
     assert nodes.due(24.0) == []
     assert nodes.due(99.0) == [("planner", "go on")]
     assert nodes.due(99.0) == []
+
+
+def test_dds_is_cut_and_let_through_again():
+    cut = NodeFaults([Fault("dds", "off", 20.0, 5.0), Fault("planner", "off", 1.0)], ("dds",))
+    assert cut.due(20.0) == [("dds", "stop")]
+    assert cut.due(25.0) == [("dds", "go on")]
+
+
+def test_an_autopilot_boots_after_its_fault_and_its_mode_is_changed_once():
+    faults = AutopilotFaults([Fault("autopilot", "off", 10.0, 3.0), Fault("mode", "wrong", 20.0)])
+    assert not faults.booted(12.9)
+    assert faults.booted(13.0)
+    assert not faults.booted(14.0)
+    assert not faults.taken(19.9)
+    assert faults.taken(25.0)
+    assert not faults.taken(26.0)
+    radio = FaultyRadio([Fault("autopilot", "off", 10.0, 3.0)], seed=1)
+    assert [radio.gets_through(t) for t in (9.9, 10.0, 12.9, 13.0)] == [True, False, False, True]
+
+
+@pytest.mark.parametrize("step", [30.0, -30.0])
+def test_a_clock_that_is_stepped_shows_in_the_fixes_and_not_in_the_truth(step):
+    base = load_scenario(find_scenario("arduplane"))
+    world = World(fault_scenario(base, Fault("clock", "wrong", 5.0, size=step)))
+    stamps = []
+    while world.time_s < 10.0:
+        stamps += [item.fix.time_s - world.time_s for item in world.step()]
+    assert stamps[0] == pytest.approx(0.0, abs=0.06)
+    assert stamps[-1] == pytest.approx(step, abs=0.06)
+    assert world.ros_s - world.true_s == step
+    with pytest.raises(ScenarioError, match="at_s"):
+        Fault("clock", "wrong", -1.0, size=step)
 
 
 GPS_CASES = [fault for fault in CASES if fault.component == "gps"]

@@ -17,6 +17,16 @@ DROP, PASS = 2, 0xFFFFFFFF
 IN_OWN_NETWORK = ("unshare", "-rn", "sh", "-c", 'ip link set lo up && exec "$@"', "sh")
 
 
+def own_network_possible() -> bool:
+    """Return whether a network of its own can be made here, and packets dropped in it."""
+    command = [*IN_OWN_NETWORK, "tc", "qdisc", "add", "dev", "lo", "clsact"]
+    try:
+        done = subprocess.run(command, capture_output=True, timeout=10.0, check=False)  # noqa: S603
+    except OSError:
+        return False
+    return done.returncode == 0
+
+
 def dds_ports(environment: Mapping[str, str]) -> tuple[int, int]:
     """Return the first and the last UDP port of the ROS domain (DDSI-RTPS 9.6.1.1)."""
     first = FIRST_PORT + PORTS_A_DOMAIN * int(environment.get("ROS_DOMAIN_ID", "0"))
