@@ -78,9 +78,9 @@ def missing_final_ack():
     return upload
 
 
-def held(x=2, y=-2, z=150.0, seq=2):
-    still = (0.0, 0.0, 0.0, 0.0)
-    return mavlink.MAVLink_mission_item_int_message(255, 190, seq, 6, 16, 0, 1, *still, x, y, z)
+def held(x=2, y=-2, z=150.0, seq=2, param1=0.0):
+    params = (param1, 0.0, 0.0, 0.0)
+    return mavlink.MAVLink_mission_item_int_message(255, 190, seq, 6, 16, 0, 1, *params, x, y, z)
 
 
 def test_a_missing_final_ack_is_made_up_for_by_asking_for_the_last_item():
@@ -96,7 +96,7 @@ def test_a_missing_final_ack_is_made_up_for_by_asking_for_the_last_item():
     assert upload.state is UploadState.ACCEPTED
 
 
-@pytest.mark.parametrize("other", [{"x": 3}, {"y": 0}, {"z": 151.0}])
+@pytest.mark.parametrize("other", [{"x": 3}, {"y": 0}, {"z": 151.0}, {"param1": 7.0}])
 def test_a_last_item_that_is_another_is_a_failure(other):
     upload = missing_final_ack()
     upload.handle(held(**other), 1.8)

@@ -201,6 +201,7 @@ class MissionUpload:
             last.latitude_e7,
             last.longitude_e7,
         )
+        same = same and round(message.param1) == round(last.params[0])  # where a jump leads
         if same and abs(message.z - last.altitude_m) < SAME_ALTITUDE_M:
             self.state, self.finished_s = UploadState.ACCEPTED, now_s
         else:
