@@ -11,9 +11,8 @@ All of that is flown in advance here, and compared with the list flown leg by le
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-
-import numpy as np
 
 from sar_bridge.follower import FollowerTuning, demanded_turn_rate, is_passed
 from sar_estimator.states import FloatArray, Motion
@@ -58,7 +57,7 @@ class Track:
         self._points = _places(points)
         self._uav, self._tuning = uav, tuning
         self._here = (uav.x_m, uav.y_m)
-        self._wanted = self._flown(_Way(self._points, self._here))
+        self._wanted = list(self._flown(_Way(self._points, self._here)))
 
     def apart_m(self, points: FloatArray, begin: Point, direct: frozenset[int]) -> float:
         """Return how far apart the UAV gets that flies other points, the first leg from ``begin``.
@@ -80,22 +79,27 @@ class Track:
                 break
             begin = self._here if flown_to is None else flown_to
             begin = self._here if is_passed(begin, point, *self._here) else begin
-            apart = self._apart_m(_Way(self._points[i:], begin, direct))
+            apart = self._apart_m(_Way(self._points[i:], begin, direct), least - WORTH_M)
             if apart < least - WORTH_M:
                 best, least = i, apart
         return best, least
 
-    def _apart_m(self, way: _Way) -> float:
-        return float(np.hypot(*(self._flown(way) - self._wanted).T).max())
+    def _apart_m(self, way: _Way, within_m: float = math.inf) -> float:
+        """Return the greatest distance from what is wanted [m]; infinite beyond ``within_m``."""
+        greatest = 0.0
+        for here, there in zip(self._flown(way), self._wanted, strict=True):
+            greatest = max(greatest, math.dist(here, there))
+            if greatest >= within_m:
+                return math.inf
+        return greatest
 
-    def _flown(self, way: _Way) -> FloatArray:
-        """Return where the UAV comes, shape (n, 2) [m], every ``STEP_S``."""
+    def _flown(self, way: _Way) -> Iterator[Point]:
+        """Yield where the UAV comes [m], every ``STEP_S``."""
         uav, tuning = self._uav, self._tuning
         x, y = self._here
         speed, course, rate = max(uav.speed_mps, 1.0), uav.course_rad, 0.0
         share = -math.expm1(-STEP_S / max(tuning.roll_lag_s, 1e-3))
         limit = tuning.fastest_turn_radps(speed)
-        out = []
         for _ in range(round(LOOKED_AHEAD_S / STEP_S)):
             leg = way.leg((x, y))
             demand = 0.0 if leg is None else demanded_turn_rate(*leg, (x, y), course, speed, tuning)
@@ -103,8 +107,7 @@ class Track:
             course += rate * STEP_S
             x += STEP_S * speed * math.cos(course)
             y += STEP_S * speed * math.sin(course)
-            out.append((x, y))
-        return np.array(out)
+            yield x, y
 
 
 def _places(points: FloatArray) -> list[Point]:
