@@ -191,8 +191,7 @@ class MissionBanks:
                     lead = None
         if lead is None:
             self._led_to, self._jump_at, self._entered = self._filled, None, NOWHERE
-            self._made = _Made(begin + at, self._made.next_tracked(current))
-            return MakeCurrent(begin + at)
+            return self._make_current(begin + at, current)
         self._led_to, self._jump_at = self._filled, lead.kept + 1
         self._entered = (begin + lead.joined, lead.through[-1])
         return Write(lead.kept + 1, (jump_to(begin + lead.joined),))
@@ -247,7 +246,12 @@ class MissionBanks:
             return None
         self._jump_at = None
         led_to = self._led_to
-        seq = self._begin(led_to) + first_ahead(self._points[led_to], uav)
+        return self._make_current(
+            self._begin(led_to) + first_ahead(self._points[led_to], uav), current
+        )
+
+    def _make_current(self, seq: int, current: int) -> MakeCurrent:
+        """Return the item to make current, and remember how ArduPlane flies to it."""
         self._made = _Made(seq, self._made.next_tracked(current))
         return MakeCurrent(seq)
 

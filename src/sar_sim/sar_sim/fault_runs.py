@@ -57,8 +57,8 @@ class FaultRun:
     def row(self) -> str:
         """Return it as a row of the table."""
         fault = self.fault
-        sized = fault.kind in ("slow", "delayed") or fault.component in ("gps", "clock")
-        size = f", {fault.size:g}" if sized and fault.kind in SIZED else ""
+        sized = fault.kind in SIZED and fault.component != "mode"
+        size = f", {fault.size:g}" if sized else ""
         size = f", {fault.size:.0%}" if fault.kind == "intermittent" else size
         at_once = fault.component in ("mode", "clock")
         at_once = at_once or (fault.component in NODES and fault.kind == "off")
