@@ -141,6 +141,10 @@ def test_a_human_changing_the_mode_is_never_fought(bench):
     bench.run(5.0)
     assert bench.autopilot.mode is FlightMode.LOITER
     assert {m.get_type() for m in bench.sent[before:]} <= {"HEARTBEAT", "PARAM_REQUEST_READ"}
+    # The planner withdraws its list, and the human goes on to another mode: told all the same.
+    bench.exchange(bench.session.set_list(np.empty((0, 2)), 3.0, DATUM, bench.now))
+    bench.mode(FlightMode.RTL)
+    assert "mode LOITER" in bench.session.problem(bench.now)
 
 
 def test_a_new_engagement_after_a_release(bench):
@@ -152,6 +156,7 @@ def test_a_new_engagement_after_a_release(bench):
     bench.exchange(bench.session.set_list(LINE, 3.0, DATUM, bench.now))
     assert bench.autopilot.mode is FlightMode.AUTO
     assert not bench.session.released
+    assert bench.session.problem(bench.now) == ""
 
 
 def test_return_home_is_not_overridden_by_a_planner_that_goes_on(bench):

@@ -3,10 +3,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sar_estimator.plane import Pose
 from sar_planner.automaton import PaperAutomaton
+from sar_planner.forecast import cornering
 from sar_planner.parameters import CornerParameters
 from sar_planner.rules import Rule, build
-from sar_planner.separation import closest_approach, corner_forecast
+from sar_planner.separation import (
+    closest_approach,
+    closest_over_time,
+    corner_forecast,
+    least_apart_m,
+)
 
 P = CornerParameters()
 AUTOMATON = PaperAutomaton(P)
@@ -50,3 +57,20 @@ def test_closest_approach_is_what_a_fine_search_finds(lag):
     times = np.linspace(0.0, max(path.length_m / P.speed_mps, 16.0), 20001)
     gap = path.points(times * P.speed_mps) - corner_forecast(P).positions(times)
     assert found.distance_m == pytest.approx(np.hypot(*gap.T).min(), abs=0.02)
+
+
+@settings(max_examples=60)
+@given(st.floats(-500.0, 1400.0), st.floats(0.0, 8.0))
+def test_the_distance_looked_at_in_steps_is_hardly_above_the_closest_approach(lag, hover_s):
+    path = AUTOMATON.plan(lag).path
+    corner = corner_forecast(P)
+    longer = cornering(
+        0.0, Pose(0.0, 0.0, 0.0), speed_mps=P.speed_mps, accel_mps2=P.accel_mps2, hover_s=hover_s
+    )
+    least = min(
+        closest_over_time(path, one, start_s=1.0, speed_mps=18.0).distance_m
+        for one in (corner, longer)
+    )
+    found = least_apart_m(path, (corner, longer), start_s=1.0, speed_mps=18.0)
+    # Less where it looks a last step beyond the end, the helicopter 2 m/s faster.
+    assert least - 0.4 <= found <= least + 16.0 / (2.0 * max(least, 8.0)) + 0.2

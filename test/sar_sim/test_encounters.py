@@ -77,7 +77,7 @@ def test_normal_formation_is_left_alone():
     base = load_scenario(find_scenario("arduplane"))
     short = replace(base, pattern=replace(base.pattern, corners=3))
     hours = [fly_formation(seed, short) for seed in (0, 1)]
-    assert [h.counts["escape"] for h in hours] == [0, 0]
-    assert all(h.counts["passed"] > 10 for h in hours)
+    assert [h.alerts["escape"] for h in hours] == [0, 0]
+    assert all(h.alerts["passed"] > 10 for h in hours)
     assert all(h.separation_m > 1.5 * NEAR_M for h in hours)
-    assert formation_summary(hours).startswith("0.2 h of formation in 2 missions: escapes 0")
+    assert formation_summary(hours).startswith("formation, 2 missions, 0.2 h flown: escapes 0")

@@ -21,12 +21,13 @@ def test_seed_is_everyones_and_lag_is_drawn():
 
 def test_summary_counts_late_corners():
     outcomes = [
-        Outcome(1, (500.0, 3.0, 2.0), ("D2",), 230.0, 10.0, 1),
-        Outcome(2, (300.0, 40.0, 20.0), ("D2",), 190.0, 20.0, 1),
+        Outcome(1, (500.0, 3.0, 2.0), ("D2",), 230.0, 10.0, 1, 900.0, {"escape": 1}),
+        Outcome(2, (300.0, 40.0, 20.0), ("D2",), 190.0, 20.0, 1, 900.0, {"caution": 2}),
     ]
     text = summary(outcomes, tolerance_m=15.0, from_corner=2)
     assert "from 2 on: 50.0% of 2 missions; at 50.0% of those corners" in text
     assert "least separation 190.0 m (seed 2, t = 20 s)" in text
+    assert "0.5 h flown: escapes 1, warnings 0, cautions 2; lists passed 0, refused 0" in text
 
 
 def test_convergence_of_a_few_missions(capsys, tmp_path):

@@ -14,7 +14,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from sar_bridge.follower import FollowerTuning, demanded_turn_rate, is_passed
+from sar_bridge.follower import Flown, FollowerTuning, Leg, Point, is_passed, places
 from sar_estimator.states import FloatArray, Motion
 
 STEP_S = 0.1
@@ -22,8 +22,6 @@ LOOKED_AHEAD_S = 8.0
 REACH_M = 200.0
 TRIED = 10
 WORTH_M = 1.0
-
-Point = tuple[float, float]
 
 
 @dataclass
@@ -34,19 +32,25 @@ class _Way:
     begin: Point
     direct: frozenset[int] = frozenset()
     at: int = 0
+    _leg: Leg | None = None
 
-    def leg(self, here: Point) -> tuple[Point, Point] | None:
+    def leg(self, here: Point) -> Leg | None:
         """Return the line being flown; None behind the last."""
         if self.at < len(self.points) and is_passed(self.begin, self.points[self.at], *here):
             self.begin = self.points[self.at]
             self.at += 1
+            self._leg = None
             if self.at in self.direct or (
                 self.at < len(self.points) and is_passed(self.begin, self.points[self.at], *here)
             ):
                 self.begin = here
         if self.at >= len(self.points):
             return None
-        return (here if self.at in self.direct else self.begin), self.points[self.at]
+        if self.at in self.direct:
+            return Leg(here, self.points[self.at])
+        if self._leg is None:
+            self._leg = Leg(self.begin, self.points[self.at])
+        return self._leg
 
 
 class Track:
@@ -54,7 +58,7 @@ class Track:
 
     def __init__(self, points: FloatArray, uav: Motion, tuning: FollowerTuning) -> None:
         """Fly it."""
-        self._points = _places(points)
+        self._points = places(points)
         self._uav, self._tuning = uav, tuning
         self._here = (uav.x_m, uav.y_m)
         self._wanted = list(self._flown(_Way(self._points, self._here)))
@@ -64,7 +68,7 @@ class Track:
 
         [m], within ``LOOKED_AHEAD_S``. ``direct``: the legs on which it heads for the end.
         """
-        return self._apart_m(_Way(_places(points), begin, direct))
+        return self._apart_m(_Way(places(points), begin, direct))
 
     def entry(self, flown_to: Point | None, *, tracked: bool) -> tuple[int, float]:
         """Return which waypoint to make current, and how far apart the UAV gets then [m].
@@ -95,20 +99,11 @@ class Track:
 
     def _flown(self, way: _Way) -> Iterator[Point]:
         """Yield where the UAV comes [m], every ``STEP_S``."""
-        uav, tuning = self._uav, self._tuning
-        x, y = self._here
-        speed, course, rate = max(uav.speed_mps, 1.0), uav.course_rad, 0.0
-        share = -math.expm1(-STEP_S / max(tuning.roll_lag_s, 1e-3))
-        limit = tuning.fastest_turn_radps(speed)
+        uav = Flown(self._uav, self._tuning, STEP_S)
         for _ in range(round(LOOKED_AHEAD_S / STEP_S)):
-            leg = way.leg((x, y))
-            demand = 0.0 if leg is None else demanded_turn_rate(*leg, (x, y), course, speed, tuning)
-            rate += share * (min(max(demand, -limit), limit) - rate)
-            course += rate * STEP_S
-            x += STEP_S * speed * math.cos(course)
-            y += STEP_S * speed * math.sin(course)
-            yield x, y
-
-
-def _places(points: FloatArray) -> list[Point]:
-    return [(float(x), float(y)) for x, y in points]
+            leg = way.leg((uav.x_m, uav.y_m))
+            if leg is None:
+                uav.straight_on()
+            else:
+                uav.along(leg)
+            yield uav.x_m, uav.y_m

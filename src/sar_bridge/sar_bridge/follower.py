@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -23,6 +25,10 @@ REACHED_M = 5.0
 LEAST_SPEED_MPS = 1.0
 ACCEL_MPS2 = 1.0
 LEAST_GAP_M = 1e-3
+HALF_PI = 0.5 * math.pi
+TURN_RAD = 2.0 * math.pi
+
+Point = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,12 +68,18 @@ class FollowerTuning:
         return pull / speed_mps
 
 
+def places(points: FloatArray) -> list[Point]:
+    """Return the rows of an array of points, shape (n, 2) [m]."""
+    return [(x, y) for x, y in points.tolist()]
+
+
 class Route:
     """A waypoint list and how far along it the UAV is."""
 
     def __init__(self, points: FloatArray, uav: Motion) -> None:
         """Enter a list, shape (n, 2) [m], where it first passes near the UAV; else at its start."""
         self.points = points
+        self.places = places(points)
         self._begin = (uav.x_m, uav.y_m)
         self._at = self._entry(uav)
         self.advance(uav)
@@ -78,9 +90,14 @@ class Route:
         return self._at
 
     @property
-    def begin(self) -> tuple[float, float]:
+    def begin(self) -> Point:
         """Where the leg being flown begins [m]."""
         return self._begin
+
+    @cached_property
+    def legs(self) -> list[Leg]:
+        """The legs from each waypoint to the next."""
+        return [Leg(begin, end) for begin, end in pairwise(self.places)]
 
     def _entry(self, uav: Motion) -> int:
         """Return the waypoint that comes next on the part of the list that passes the UAV."""
@@ -104,29 +121,103 @@ class Route:
     def advance(self, uav: Motion) -> None:
         """Go on to the waypoint that comes after those that the UAV has passed."""
         while self._at < len(self.points):
-            x, y = (float(value) for value in self.points[self._at])
-            if not (is_passed(self._begin, (x, y), uav.x_m, uav.y_m) or self._on_next(uav)):
+            target = self.places[self._at]
+            if not (is_passed(self._begin, target, uav.x_m, uav.y_m) or self._on_next(uav)):
                 return
-            self._begin = (x, y)
+            self._begin = target
             self._at += 1
 
     def _on_next(self, uav: Motion) -> bool:
         """Whether the UAV flies along the leg behind the target already: it was joined there."""
         if self._at + 1 >= len(self.points):
             return False
-        way = self.points[self._at + 1] - self.points[self._at]
-        length = max(float(np.hypot(*way)), LEAST_GAP_M)
-        dx, dy = uav.x_m - self.points[self._at, 0], uav.y_m - self.points[self._at, 1]
-        onward = (uav.vx_mps * way[0] + uav.vy_mps * way[1]) / length > 0.5 * uav.speed_mps
-        near = math.hypot(dx, dy) < NEAR_M
-        return bool(onward and near and dx * way[0] + dy * way[1] > 0.0)
+        (x, y), (next_x, next_y) = self.places[self._at : self._at + 2]
+        way_x, way_y, dx, dy = next_x - x, next_y - y, uav.x_m - x, uav.y_m - y
+        length = max(math.hypot(way_x, way_y), LEAST_GAP_M)
+        onward = (uav.vx_mps * way_x + uav.vy_mps * way_y) / length > 0.5 * uav.speed_mps
+        return onward and math.hypot(dx, dy) < NEAR_M and dx * way_x + dy * way_y > 0.0
 
 
-def is_passed(begin: tuple[float, float], end: tuple[float, float], x_m: float, y_m: float) -> bool:
+def is_passed(begin: Point, end: Point, x_m: float, y_m: float) -> bool:
     """Whether a point is beyond a leg's finish line, or at its end."""
     dx, dy = x_m - end[0], y_m - end[1]
     onward = dx * (end[0] - begin[0]) + dy * (end[1] - begin[1])
     return onward >= 0.0 or math.hypot(dx, dy) < REACHED_M
+
+
+class Leg:
+    """The guidance along a line from ``begin`` to ``end`` [m], its direction worked out once."""
+
+    __slots__ = ("_course", "_ux", "_uy", "begin", "end")
+
+    def __init__(self, begin: Point, end: Point) -> None:
+        """A line without a length leads straight to its end, from wherever the UAV is."""
+        self.begin, self.end = begin, end
+        way_x, way_y = end[0] - begin[0], end[1] - begin[1]
+        length = math.hypot(way_x, way_y)
+        self._course: float | None = None
+        if length >= LEAST_GAP_M:
+            self._course = math.atan2(way_y, way_x)
+            self._ux, self._uy = way_x / length, way_y / length
+
+    def passed(self, x_m: float, y_m: float) -> bool:
+        """Whether a point is beyond the finish line, or at the end."""
+        return is_passed(self.begin, self.end, x_m, y_m)
+
+    def nu_rad(self, x_m: float, y_m: float, course_rad: float, l1_m: float) -> float:
+        """Return the angle Nu from the course to the point L1 ahead on the line."""
+        course, sine = self._course, 0.0
+        if course is None:
+            course = math.atan2(self.end[1] - y_m, self.end[0] - x_m)
+        else:
+            left = self._ux * (y_m - self.begin[1]) - self._uy * (x_m - self.begin[0])
+            sine = min(max(left / l1_m, -0.7071), 0.7071)
+        nu = math.remainder(course - course_rad, TURN_RAD) - math.asin(sine)
+        return min(max(nu, -HALF_PI), HALF_PI)
+
+
+class Flown:
+    """A UAV in flight under the guidance, in steps of ``step_s``; ``x_m``, ``y_m``: where it is."""
+
+    def __init__(
+        self, uav: Motion, tuning: FollowerTuning, step_s: float, cruise_mps: float | None = None
+    ) -> None:
+        """Begin at the UAV's motion, wings level; its ground speed goes to ``cruise_mps``."""
+        self.x_m, self.y_m = uav.x_m, uav.y_m
+        self.speed_mps = max(uav.speed_mps, LEAST_SPEED_MPS)
+        self._course, self._rate, self._step_s = uav.course_rad, 0.0, step_s
+        self._tuning = tuning
+        self._lag_share = -math.expm1(-step_s / max(tuning.roll_lag_s, 1e-3))
+        self._l1_s = tuning.damping * tuning.period_s / math.pi
+        self._gain = 4.0 * tuning.damping**2 * tuning.turn_share / self._l1_s
+        self._pull = tuning.fastest_turn_radps(1.0)
+        self._cruise_mps = self.speed_mps if cruise_mps is None else cruise_mps
+        self._change = ACCEL_MPS2 * step_s
+
+    def along(self, leg: Leg) -> None:
+        """Fly a step along a leg."""
+        nu = leg.nu_rad(self.x_m, self.y_m, self._course, self._l1_s * self.speed_mps)
+        self._turn(self._gain * math.sin(nu))
+
+    def around(self, centre: Point) -> None:
+        """Fly a step onto and along the loiter circle about a point."""
+        here = (self.x_m, self.y_m)
+        self._turn(_around(centre, here, self._course, self.speed_mps, self._tuning))
+
+    def straight_on(self) -> None:
+        """Fly a step without a demand."""
+        self._turn(0.0)
+
+    def _turn(self, demand_radps: float) -> None:
+        limit = self._pull / self.speed_mps
+        wanted = min(max(demand_radps, -limit), limit)
+        self._rate += self._lag_share * (wanted - self._rate)
+        self._course += self._rate * self._step_s
+        more = self._cruise_mps - self.speed_mps
+        self.speed_mps += min(max(more, -self._change), self._change)
+        run = self._step_s * self.speed_mps
+        self.x_m += run * math.cos(self._course)
+        self.y_m += run * math.sin(self._course)
 
 
 def follow(
@@ -142,58 +233,26 @@ def follow(
     Its ground speed goes to ``cruise_mps``, as lists are led; behind the list it loiters about the
     last waypoint.
     """
-    x, y = uav.x_m, uav.y_m
-    speed, course, rate = max(uav.speed_mps, LEAST_SPEED_MPS), uav.course_rad, 0.0
-    lag_share = -math.expm1(-STEP_S / max(tuning.roll_lag_s, 1e-3))
-    change = ACCEL_MPS2 * STEP_S
-    points = [(float(px), float(py)) for px, py in route.points]
-    at, begin = route.target, route.begin
-    count = round(horizon_s / STEP_S)
-    out = np.empty((count + 1, 2))
-    out[0] = x, y
-    for i in range(1, count + 1):
-        while at < len(points) and is_passed(begin, points[at], x, y):
-            begin, at = points[at], at + 1
-        if at < len(points):
-            demand = demanded_turn_rate(begin, points[at], (x, y), course, speed, tuning)
+    flown = Flown(uav, tuning, STEP_S, cruise_mps)
+    at, last = route.target, len(route.places)
+    leg = Leg(route.begin, route.places[at]) if at < last else None
+    centre = route.places[-1] if last else (uav.x_m, uav.y_m)
+    out = [(uav.x_m, uav.y_m)]
+    for _ in range(round(horizon_s / STEP_S)):
+        while leg is not None and leg.passed(flown.x_m, flown.y_m):
+            at += 1
+            leg = route.legs[at - 1] if at < last else None
+        if leg is not None:
+            flown.along(leg)
         else:
-            centre = points[-1] if points else (x, y)
-            demand = _around(centre, (x, y), course, speed, tuning)
-        limit = tuning.fastest_turn_radps(speed)
-        rate += lag_share * (min(max(demand, -limit), limit) - rate)
-        course += rate * STEP_S
-        speed += min(max(cruise_mps - speed, -change), change)
-        x += STEP_S * speed * math.cos(course)
-        y += STEP_S * speed * math.sin(course)
-        out[i] = x, y
-    return out
-
-
-def demanded_turn_rate(
-    begin: tuple[float, float],
-    end: tuple[float, float],
-    here: tuple[float, float],
-    course: float,
-    speed: float,
-    tuning: FollowerTuning,
-) -> float:
-    """Return the turn rate that the guidance demands on a leg [rad/s]."""
-    way_x, way_y = end[0] - begin[0], end[1] - begin[1]
-    length = math.hypot(way_x, way_y)
-    if length < LEAST_GAP_M:
-        way_x, way_y = end[0] - here[0], end[1] - here[1]
-        length = max(math.hypot(way_x, way_y), LEAST_GAP_M)
-    l1_m = tuning.damping * tuning.period_s * speed / math.pi
-    left = (way_x * (here[1] - begin[1]) - way_y * (here[0] - begin[0])) / length
-    turned = wrap_angle(math.atan2(way_y, way_x) - course)
-    nu = turned - math.asin(min(max(left / l1_m, -0.7071), 0.7071))
-    nu = min(max(nu, -0.5 * math.pi), 0.5 * math.pi)
-    return 4.0 * tuning.damping**2 * tuning.turn_share * speed / l1_m * math.sin(nu)
+            flown.around(centre)
+        out.append((flown.x_m, flown.y_m))
+    return np.array(out)
 
 
 def _around(
-    centre: tuple[float, float],
-    here: tuple[float, float],
+    centre: Point,
+    here: Point,
     course: float,
     speed: float,
     tuning: FollowerTuning,

@@ -50,18 +50,17 @@ def waypoint_items(points: FloatArray, datum: Datum, altitude_m: float) -> list[
     The list ends in an unlimited loiter, so that a UAV that hears nothing more stays there. Item 0
     is ArduPilot's home place-holder, which the autopilot ignores. ``altitude_m`` is above home.
     """
-    items = []
-    for (x, y), near in zip(points, acceptance_m(points), strict=True):
-        latitude, longitude, _ = datum.to_geodetic(float(x), float(y))
-        items.append(
-            MissionItem(
-                mavlink.MAV_CMD_NAV_WAYPOINT,
-                round(latitude * 1e7),
-                round(longitude * 1e7),
-                altitude_m,
-                params=(0.0, near, 0.0, 0.0),
-            )
+    places = np.rint(datum.all_to_geodetic(points) * 1e7).astype(int).tolist()
+    items = [
+        MissionItem(
+            mavlink.MAV_CMD_NAV_WAYPOINT,
+            latitude,
+            longitude,
+            altitude_m,
+            params=(0.0, near, 0.0, 0.0),
         )
+        for (latitude, longitude), near in zip(places, acceptance_m(points), strict=True)
+    ]
     last = items[-1]
     loiter = MissionItem(
         mavlink.MAV_CMD_NAV_LOITER_UNLIM, last.latitude_e7, last.longitude_e7, altitude_m

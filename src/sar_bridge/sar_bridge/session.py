@@ -52,7 +52,8 @@ class AutopilotSession:
     """Talks to the first autopilot heard, or to the configured system.
 
     ``released``: somebody changed the mode while the list was flown; nothing is sent until a new
-    engagement. ``uploaded``: the newest accepted list. ``silent``: the node that leads the UAV or
+    engagement. ``taken_to``: the mode chosen then, told until another list is to be flown: the
+    planner withdraws its list within milliseconds. ``uploaded``: the newest accepted list. ``silent``: the node that leads the UAV or
     watches over it and is not heard any more: while it is named and a list is flown there are no
     heartbeats, so that the autopilot's own failsafe acts.
     """
@@ -63,6 +64,7 @@ class AutopilotSession:
         self.state = AutopilotState()
         self.address: Address | None = None
         self.released = False
+        self.taken_to = ""
         self.uploaded: Uploaded | None = None
         self.silent = ""
         self._wanted_system = target_system
@@ -112,6 +114,7 @@ class AutopilotSession:
             return []
         if self.released or self._returning:
             return []
+        self.taken_to = ""
         if self._points is None:
             self._engaging = may_engage
             self._mode_flown = self.state.mode
@@ -145,7 +148,7 @@ class AutopilotSession:
         Returns nothing when the autopilot has no such mode or none was heard yet.
         """
         self._let_go()
-        self._returning = True
+        self._returning, self.taken_to = True, ""
         return self._mode_command("RTL", now_s)
 
     def _let_go(self) -> None:
@@ -259,8 +262,8 @@ class AutopilotSession:
             return "autopilot's heartbeat lost"
         if self.silent and self.leading:
             return f"no heartbeats to the autopilot: node {self.silent} is silent"
-        if self.released:
-            return f"released: mode {self.state.mode} was chosen by somebody else"
+        if self.taken_to:
+            return f"released: mode {self.taken_to} was chosen by somebody else"
         if self._upload is not None and self._upload.state is UploadState.FAILED:
             return f"mission upload: {self._upload.failure}"
         return self._commands.refusal if self._commands is not None else ""
@@ -375,4 +378,4 @@ class AutopilotSession:
         if mode == "AUTO" or (mode == "GUIDED" and was != "AUTO"):
             return
         self._let_go()
-        self.released = True
+        self.released, self.taken_to = True, mode

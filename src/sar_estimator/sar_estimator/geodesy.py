@@ -5,7 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
 import pymap3d
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +53,13 @@ class Datum:
             x_m, y_m, z_m, self.latitude_deg, self.longitude_deg, self.altitude_m
         )
         return float(latitude), float(longitude), float(altitude)
+
+    def all_to_geodetic(self, points: FloatArray) -> FloatArray:
+        """Return latitudes and longitudes [deg], shape (n, 2), of map positions of that shape."""
+        latitudes, longitudes, _ = pymap3d.enu2geodetic(
+            points[:, 0], points[:, 1], 0.0, self.latitude_deg, self.longitude_deg, self.altitude_m
+        )
+        return np.column_stack((latitudes, longitudes))
 
 
 def valid_position(latitude_deg: float, longitude_deg: float) -> bool:

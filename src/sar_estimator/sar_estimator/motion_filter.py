@@ -79,9 +79,8 @@ class MotionFilter:
 
     def _models(self, dt_s: float, sigma_mps2: float) -> tuple[FloatArray, FloatArray]:
         transition, noise = np.zeros((6, 6)), np.zeros((6, 6))
-        for axis in (slice(0, 3), slice(3, 6)):
-            transition[axis, axis] = singer_transition(dt_s, self._tau_s)
-            noise[axis, axis] = singer_noise(dt_s, self._tau_s, sigma_mps2)
+        transition[:3, :3] = transition[3:, 3:] = singer_transition(dt_s, self._tau_s)
+        noise[:3, :3] = noise[3:, 3:] = singer_noise(dt_s, self._tau_s, sigma_mps2)
         return transition, noise
 
     def predicted(self, time_s: float, sigma_mps2: float) -> MotionEstimate:
@@ -91,7 +90,7 @@ class MotionFilter:
         if dt > 0.0:
             f, q = self._models(dt, sigma_mps2)
             state, covariance = f @ state, f @ covariance @ f.T + q
-        x, vx, ax, y, vy, ay = (float(value) for value in state)
+        x, vx, ax, y, vy, ay = state.tolist()
         return MotionEstimate(Motion(time_s, x, y, vx, vy, ax, ay), np.array(covariance))
 
     def advance(self, time_s: float, sigma_mps2: float) -> None:

@@ -53,9 +53,12 @@ class Motion:
 
     def is_finite(self) -> bool:
         """Whether no component is NaN or infinite."""
-        return all(
-            math.isfinite(value)
-            for value in (self.time_s, self.x_m, self.y_m, self.vx_mps, self.vy_mps)
+        return (
+            math.isfinite(self.time_s)
+            and math.isfinite(self.x_m)
+            and math.isfinite(self.y_m)
+            and math.isfinite(self.vx_mps)
+            and math.isfinite(self.vy_mps)
         )
 
 

@@ -30,7 +30,7 @@ from sar_planner.mission_parameters import (
 from sar_planner.parameters import CornerParameters
 from sar_planner.rejoin import RejoinPlan, RejoinTask, rejoin
 from sar_planner.rules import CornerPlan, NoPathError, Rule
-from sar_planner.separation import closest_over_time
+from sar_planner.separation import least_apart_m
 from sar_planner.situation import Situation
 from sar_planner.speed_trim import MadeGood, trimmed_mps
 
@@ -400,19 +400,11 @@ class DeadbeatPilot:
         tolerance = max(tolerance, self._mission.far_tolerance * rest.length_m)
         fits = abs(lag) < tolerance and not moved and off_m < OFF_PATH_M
         margin = MARGIN_SHARE * self._mission.separation_margin_m
-        apart_m = self._apart_m(rest, expected, now_s, speed)
+        apart_m = least_apart_m(rest, expected, start_s=now_s, speed_mps=speed)
         if fits and apart_m >= self._corner.separation_m + margin:
             return None
         safe = apart_m >= self._corner.separation_m and not moved
         return self._correct(now_s, forecasts, frame, off_m, abs(lag) if safe else math.inf)
-
-    def _apart_m(
-        self, rest: FlightPath, forecasts: tuple[Forecast, ...], now_s: float, speed: float
-    ) -> float:
-        return min(
-            closest_over_time(rest, forecast, start_s=now_s, speed_mps=speed).distance_m
-            for forecast in forecasts
-        )
 
     def _timed(
         self, approach: Approach, rest: FlightPath, forecast: Forecast, now_s: float
@@ -498,7 +490,8 @@ class DeadbeatPilot:
         self._retry_s = now_s + RETRY_S
         expected = tuple(forecast.in_frame(approach.frame) for forecast in forecasts)
         rest = approach.path.cut(min(approach.flown_m, approach.path.length_m))
-        kept_m = self._apart_m(rest, expected, now_s, approach.speed_mps * self._share)
+        speed = approach.speed_mps * self._share
+        kept_m = least_apart_m(rest, expected, start_s=now_s, speed_mps=speed)
         safe = kept_m >= self._corner.separation_m
         if safe and _on_track(approach.end_in(frame)):
             return None

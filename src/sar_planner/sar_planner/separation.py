@@ -15,6 +15,7 @@ from sar_planner.geometry import FlightPath, FloatArray
 from sar_planner.parameters import CornerParameters
 
 SAMPLE_M = 20.0
+CHECK_S = 0.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +58,26 @@ def closest_over_time(
         low, high = max(0.0, time - step), min(end_s, time + step)
         distance, time, step = nearest(low, high, 41)
     return ClosestApproach(distance, time)
+
+
+def least_apart_m(
+    path: FlightPath, forecasts: Sequence[Forecast], *, start_s: float, speed_mps: float
+) -> float:
+    """Return the least distance [m] of a path to any of several forecasts, looked at each 0.2 s.
+
+    At 40 m/s past one another, ``CHECK_S`` apart, that is 0.05 m above the least at 150 m. Each
+    forecast is looked at for as long as by ``closest_over_time``.
+    """
+    flown_s = path.length_m / speed_mps
+    ends_s = [max(flown_s, forecast.steady_s - start_s, CHECK_S) for forecast in forecasts]
+    times = np.arange(math.ceil(max(ends_s) / CHECK_S) + 1) * CHECK_S
+    points = path.points(times * speed_mps)
+    least = math.inf
+    for forecast, end_s in zip(forecasts, ends_s, strict=True):
+        count = math.ceil(end_s / CHECK_S) + 1
+        gap = points[:count] - forecast.positions(start_s + times[:count])
+        least = min(least, float(np.square(gap).sum(axis=1).min()))
+    return math.sqrt(least)
 
 
 def sampling_slack_m(distance_m: float, radius_m: float) -> float:

@@ -228,15 +228,15 @@ class SimAutopilot:
             self._since_s = 0.0
             self._navigate()
         low, high = self._uav.airspeed_min_mps, self._uav.airspeed_max_mps
-        moved = step(
+        self.state = step(
             self.state,
             self._made_good(dt_s),
             turn_rate_radps=self._demand_radps,
             airspeed_mps=min(max(self.airspeed_mps, low), high),
             limits=self._limits,
             wind_mps=self.wind_mps,
+            clock_s=dt_s,
         )
-        self.state = replace(moved, time_s=self.state.time_s + dt_s)
 
     def _navigate(self) -> None:
         """Demand a turn rate; then leave the legs that are done, as ArduPlane does."""

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from functools import partial
 from pathlib import Path
 
 from sar_planner.rule_sets import RULE_SETS
 from sar_sim.figures import draw_lags
+from sar_sim.kept import Kept
 from sar_sim.missions import Outcome, fly_once, seeded, summary
 from sar_sim.options import find_scenario
-from sar_sim.pool import in_parallel
-from sar_sim.scenario import Scenario, load_scenario
+from sar_sim.pool import add_work_options, in_parallel
+from sar_sim.scenario import Scenario, load_scenario, scenario_document
 
 
 def _fly(
@@ -32,13 +32,11 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="convergence", description=__doc__)
     parser.add_argument("--scenario", default="closed_loop", help="a scenario's name or YAML file")
     parser.add_argument("--rules", choices=RULE_SETS, default="deadbeat")
-    parser.add_argument("--seeds", type=int, default=20, help="how many missions")
-    parser.add_argument("--first-seed", type=int, default=0)
+    add_work_options(parser, seeds=("seeds", 20))
     parser.add_argument("--lags", type=float, nargs=2, metavar=("LOW", "HIGH"), help="of L(1), m")
     parser.add_argument("--tolerance", type=float, default=15.0, help="on |L(k)|, m")
     parser.add_argument("--from-corner", type=int, default=3, help="counted from this corner on")
     parser.add_argument("--watch-only", action="store_true", help="the monitor does nothing")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes")
     parser.add_argument("--plot", type=Path, help="draw L(k) of every mission into this file")
     args = parser.parse_args(argv)
     try:
@@ -48,7 +46,15 @@ def main(argv: list[str] | None = None) -> int:
         fly = partial(
             _fly, scenario=scenario, rules=args.rules, lags=lags, watch_only=args.watch_only
         )
-        outcomes = in_parallel(fly, seeds, args.jobs)
+        about = {
+            "work": "convergence",
+            "scenario": scenario_document(scenario),
+            "rules": args.rules,
+            "lags": lags,
+            "watch_only": args.watch_only,
+        }
+        kept = Kept(args.keep, about)
+        outcomes = in_parallel(fly, seeds, args.jobs, kind=Outcome, kept=kept)
     except ValueError as error:
         sys.stderr.write(f"convergence: {error}\n")
         return 2

@@ -21,7 +21,7 @@ from sar_estimator.plane import Pose
 from sar_estimator.states import FloatArray, Motion
 from sar_sim.handover import load_list, tell_monitor
 from sar_sim.helicopter import PatternHelicopter
-from sar_sim.missions import Observer
+from sar_sim.missions import Observer, alerts_of, watched
 from sar_sim.offline import STEPS_PER_GUARD, STEPS_PER_TICK, OfflineFlight, make_monitor
 from sar_sim.scenario import AUTOPILOTS, Gps, Pattern, Pilot, Scenario, Uav, Wind
 from sar_sim.squares import CONDITIONS
@@ -279,7 +279,7 @@ class Hours:
     seed: int
     condition: str
     flown_s: float
-    counts: dict[str, int]
+    alerts: dict[str, int]
     separation_m: float
 
 
@@ -292,20 +292,15 @@ def fly_formation(seed: int, base: Scenario) -> Hours:
     flight = OfflineFlight(CONDITIONS[name].scenario(base, seed))
     seen = Observer(flight.world)
     flight.run(observe=seen)
-    counts = {str(name): count for name, count in flight.monitor.counts.items()}
-    return Hours(seed, name, flight.world.time_s, counts, seen.separation_m)
+    return Hours(seed, name, flight.world.time_s, alerts_of(flight), seen.separation_m)
 
 
 def formation_summary(hours: list[Hours]) -> str:
     """Return what the monitor did in hours of normal formation as text."""
-    flown_h = sum(h.flown_s for h in hours) / 3600.0
-    total = {name: sum(h.counts[name] for h in hours) for name in hours[0].counts}
     worst = min(hours, key=lambda h: h.separation_m)
-    away = [f"{h.seed} ({h.condition})" for h in hours if h.counts["escape"]]
+    away = [f"{h.seed} ({h.condition})" for h in hours if h.alerts["escape"]]
     return (
-        f"{flown_h:.1f} h of formation in {len(hours)} missions: escapes {total['escape']}, "
-        f"warnings {total['warning']}, cautions {total['caution']}; lists passed "
-        f"{total['passed']}, refused {total['refused']}; least separation "
+        f"formation, {len(hours)} missions, {watched(hours)}; least separation "
         f"{worst.separation_m:.1f} m (seed {worst.seed})"
         + (f"\nsent away in seeds {', '.join(away)}" if away else "")
     )

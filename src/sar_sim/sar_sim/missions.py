@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -14,7 +17,10 @@ from sar_sim.world import World
 
 @dataclass(frozen=True)
 class Outcome:
-    """One mission: true L(k) [m], rules, least separation [m] and its time, path corrections."""
+    """One mission: true L(k) [m], rules, least separation [m] and its time, path corrections.
+
+    ``alerts``: the monitor's, and lists passed and refused, counted.
+    """
 
     seed: int
     lags_m: tuple[float, ...]
@@ -22,6 +28,20 @@ class Outcome:
     separation_m: float
     separation_s: float
     corrections: int
+    flown_s: float
+    alerts: dict[str, int]
+
+
+class Watched(Protocol):
+    """A mission that the monitor watched."""
+
+    @property
+    def flown_s(self) -> float:
+        """How long it was [s]."""
+
+    @property
+    def alerts(self) -> dict[str, int]:
+        """What the monitor said and did, counted."""
 
 
 class Observer:
@@ -80,6 +100,25 @@ def fly_once(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Out
         seen.separation_m,
         seen.separation_s,
         flight.planner.corrections,
+        flight.world.time_s,
+        alerts_of(flight),
+    )
+
+
+def alerts_of(flight: OfflineFlight) -> dict[str, int]:
+    """Return what the monitor said and did, counted by name."""
+    return {str(name): count for name, count in flight.monitor.counts.items()}
+
+
+def watched(missions: Sequence[Watched]) -> str:
+    """Return what the monitor said and did in all of some missions as text."""
+    total = Counter[str]()
+    for mission in missions:
+        total.update(mission.alerts)
+    hours = sum(mission.flown_s for mission in missions) / 3600.0
+    return (
+        f"{hours:.1f} h flown: escapes {total['escape']}, warnings {total['warning']}, "
+        f"cautions {total['caution']}; lists passed {total['passed']}, refused {total['refused']}"
     )
 
 
@@ -104,4 +143,5 @@ def summary(outcomes: list[Outcome], *, tolerance_m: float, from_corner: int) ->
         f"t = {worst.separation_s:.0f} s), 1 % of missions below "
         f"{np.percentile(separation, 1):.1f} m, median {np.median(separation):.1f} m"
     )
+    lines.append(watched(outcomes))
     return "\n".join(lines)

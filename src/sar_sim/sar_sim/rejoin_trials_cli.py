@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 
 import numpy as np
 
 from sar_planner.parameters import CornerParameters
-from sar_sim.pool import in_parallel
+from sar_sim.kept import Kept
+from sar_sim.pool import add_work_options, in_parallel
 from sar_sim.rejoin_trials import PHASES, Trial, fly, prepare
 
 
@@ -34,15 +34,18 @@ def table(trials: list[Trial], separation_m: float) -> str:
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Fly them and print the table."""
+    """Fly them and print the table; 2 on bad input."""
     parser = argparse.ArgumentParser(prog="rejoin_trials", description=__doc__)
-    parser.add_argument("--starts", type=int, default=200)
-    parser.add_argument("--first-seed", type=int, default=0)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes")
+    add_work_options(parser, seeds=("starts", 200))
     args = parser.parse_args(argv)
     seeds = range(args.first_seed, args.first_seed + args.starts)
     prepare()  # before the processes are forked
-    trials = in_parallel(fly, seeds, args.jobs)
+    try:
+        kept = Kept(args.keep, {"work": "rejoin_trials"})
+    except ValueError as error:
+        sys.stderr.write(f"rejoin_trials: {error}\n")
+        return 2
+    trials = in_parallel(fly, seeds, args.jobs, kind=Trial, kept=kept)
     sys.stdout.write(table(trials, CornerParameters().separation_m) + "\n")
     for trial in sorted(trials, key=lambda trial: trial.closest_m)[:3]:
         sys.stdout.write(f"nearest: seed {trial.seed}, {trial.phase}, {trial.closest_m:.1f} m\n")

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sar_sim.coverage import ideal_tracks, measure
-from sar_sim.missions import Observer, seeded
+from sar_sim.missions import Observer, alerts_of, seeded, watched
 from sar_sim.offline import OfflineFlight
 from sar_sim.scenario import Scenario, Wind
 from sar_sim.world import World
@@ -71,6 +71,8 @@ class Square:
     coverage_percent: float
     lists: int
     problems: frozenset[str]
+    flown_s: float
+    alerts: dict[str, int]
 
 
 def _kinds(problem: str) -> set[str]:
@@ -127,6 +129,8 @@ def fly_square(
         coverage_percent(flight.world, np.array(track)),
         lists,
         frozenset(problems),
+        flight.world.time_s,
+        alerts_of(flight),
     )
 
 
@@ -143,7 +147,8 @@ def summary(name: str, condition: Condition, squares: list[Square]) -> str:
     return (
         f"{name:18s}{np.median(late):8.1f}{np.percentile(late, 95):8.1f}{late.max():8.1f}"
         f"{apart.min():9.1f}{np.median(apart):8.1f}{covered.mean():9.2f}{covered.min():8.2f}"
-        f"{lists:8.1f}{within}" + (f"\n    said: {'; '.join(said)}" if said else "")
+        f"{lists:8.1f}{within}\n    {watched(squares)}"
+        + (f"\n    said: {'; '.join(said)}" if said else "")
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from sar_estimator.plane import wrap_angle
 from sar_estimator.states import Motion
@@ -48,8 +48,12 @@ def step(
     airspeed_mps: float,
     limits: UavLimits,
     wind_mps: tuple[float, float] = (0.0, 0.0),
+    clock_s: float | None = None,
 ) -> UavState:
-    """Fly ``dt_s`` [s] towards a commanded turn rate and airspeed: an exact arc in the air."""
+    """Fly ``dt_s`` [s] towards a commanded turn rate and airspeed: an exact arc in the air.
+
+    ``clock_s``: how much time passes meanwhile, where not as much as is flown.
+    """
     top = state.airspeed_mps / limits.min_radius_m
     wanted = max(-top, min(top, turn_rate_radps))
     if limits.roll_lag_s > 0.0:
@@ -64,12 +68,11 @@ def step(
     half_turn = 0.5 * wanted * dt_s
     chord = run * (math.sin(half_turn) / half_turn if abs(half_turn) > 1e-9 else 1.0)
     course = state.heading_rad + half_turn
-    return replace(
-        state,
-        time_s=state.time_s + dt_s,
-        x_m=state.x_m + chord * math.cos(course) + wind_mps[0] * dt_s,
-        y_m=state.y_m + chord * math.sin(course) + wind_mps[1] * dt_s,
-        heading_rad=wrap_angle(state.heading_rad + wanted * dt_s),
-        airspeed_mps=speed,
-        turn_rate_radps=wanted,
+    return UavState(
+        state.time_s + (dt_s if clock_s is None else clock_s),
+        state.x_m + chord * math.cos(course) + wind_mps[0] * dt_s,
+        state.y_m + chord * math.sin(course) + wind_mps[1] * dt_s,
+        wrap_angle(state.heading_rad + wanted * dt_s),
+        speed,
+        wanted,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from dataclasses import replace
 
 import numpy as np
@@ -80,7 +81,7 @@ class World:
         self._gusts = Gusts(scenario.wind)
         self._steps = 0
         self._extra = np.random.default_rng(scenario.uav.seed)
-        self._begun_corners = 0
+        self._to_come = deque(self.corners)
 
     @property
     def time_s(self) -> float:
@@ -114,9 +115,8 @@ class World:
     def step(self) -> list[Reception]:
         """Advance by one step; return what the receiver gave, stamped with the ROS clock."""
         self._steps += 1
-        begun = [corner for corner in self.corners if corner.onset_time_s <= self.time_s]
-        if len(begun) > self._begun_corners:
-            self._begun_corners = len(begun)
+        if self._to_come and self._to_come[0].onset_time_s <= self.time_s:
+            self._to_come.popleft()
             uav = self.scenario.uav
             extra = self._extra.uniform(uav.extra_path_min_m, uav.extra_path_max_m)
             self.autopilot.owe(float(extra))
