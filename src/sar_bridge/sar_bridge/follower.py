@@ -151,7 +151,7 @@ class Leg:
     __slots__ = ("_course", "_ux", "_uy", "begin", "end")
 
     def __init__(self, begin: Point, end: Point) -> None:
-        """A line without a length leads straight to its end, from wherever the UAV is."""
+        """Work the direction out; without a length the line leads to its end from anywhere."""
         self.begin, self.end = begin, end
         way_x, way_y = end[0] - begin[0], end[1] - begin[1]
         length = math.hypot(way_x, way_y)

@@ -53,9 +53,9 @@ class AutopilotSession:
 
     ``released``: somebody changed the mode while the list was flown; nothing is sent until a new
     engagement. ``taken_to``: the mode chosen then, told until another list is to be flown: the
-    planner withdraws its list within milliseconds. ``uploaded``: the newest accepted list. ``silent``: the node that leads the UAV or
-    watches over it and is not heard any more: while it is named and a list is flown there are no
-    heartbeats, so that the autopilot's own failsafe acts.
+    planner withdraws its list within milliseconds. ``uploaded``: the newest accepted list.
+    ``silent``: the node that leads the UAV or watches over it and is not heard any more: while it
+    is named and a list is flown there are no heartbeats, so that the autopilot's own failsafe acts.
     """
 
     def __init__(self, *, altitude_m: float, target_system: int = 0) -> None:

@@ -70,7 +70,7 @@ def least_apart_m(
     """
     flown_s = path.length_m / speed_mps
     ends_s = [max(flown_s, forecast.steady_s - start_s, CHECK_S) for forecast in forecasts]
-    times = np.arange(math.ceil(max(ends_s) / CHECK_S) + 1) * CHECK_S
+    times = CHECK_S * np.arange(math.ceil(max(ends_s) / CHECK_S) + 1, dtype=np.float64)
     points = path.points(times * speed_mps)
     least = math.inf
     for forecast, end_s in zip(forecasts, ends_s, strict=True):
