@@ -25,6 +25,7 @@ REACHED_M = 5.0
 LEAST_SPEED_MPS = 1.0
 ACCEL_MPS2 = 1.0
 LEAST_GAP_M = 1e-3
+MOST_SINE = 0.7071
 HALF_PI = 0.5 * math.pi
 TURN_RAD = 2.0 * math.pi
 
@@ -166,14 +167,15 @@ class Leg:
 
     def nu_rad(self, x_m: float, y_m: float, course_rad: float, l1_m: float) -> float:
         """Return the angle Nu from the course to the point L1 ahead on the line."""
-        course, sine = self._course, 0.0
+        course = self._course
         if course is None:
             course = math.atan2(self.end[1] - y_m, self.end[0] - x_m)
+            nu = math.remainder(course - course_rad, TURN_RAD)
         else:
-            left = self._ux * (y_m - self.begin[1]) - self._uy * (x_m - self.begin[0])
-            sine = min(max(left / l1_m, -0.7071), 0.7071)
-        nu = math.remainder(course - course_rad, TURN_RAD) - math.asin(sine)
-        return min(max(nu, -HALF_PI), HALF_PI)
+            sine = (self._ux * (y_m - self.begin[1]) - self._uy * (x_m - self.begin[0])) / l1_m
+            sine = MOST_SINE if sine > MOST_SINE else max(sine, -MOST_SINE)
+            nu = math.remainder(course - course_rad, TURN_RAD) - math.asin(sine)
+        return HALF_PI if nu > HALF_PI else max(nu, -HALF_PI)
 
 
 class Flown:
@@ -208,16 +210,18 @@ class Flown:
         """Fly a step without a demand."""
         self._turn(0.0)
 
-    def _turn(self, demand_radps: float) -> None:
-        limit = self._pull / self.speed_mps
-        wanted = min(max(demand_radps, -limit), limit)
-        self._rate += self._lag_share * (wanted - self._rate)
-        self._course += self._rate * self._step_s
-        more = self._cruise_mps - self.speed_mps
-        self.speed_mps += min(max(more, -self._change), self._change)
-        run = self._step_s * self.speed_mps
-        self.x_m += run * math.cos(self._course)
-        self.y_m += run * math.sin(self._course)
+    def _turn(self, wanted: float) -> None:
+        speed, rate, change = self.speed_mps, self._rate, self._change
+        limit = self._pull / speed
+        wanted = limit if wanted > limit else max(wanted, -limit)
+        rate += self._lag_share * (wanted - rate)
+        course = self._course + rate * self._step_s
+        more = self._cruise_mps - speed
+        speed += change if more > change else max(more, -change)
+        run = self._step_s * speed
+        self.x_m += run * math.cos(course)
+        self.y_m += run * math.sin(course)
+        self.speed_mps, self._rate, self._course = speed, rate, course
 
 
 def follow(

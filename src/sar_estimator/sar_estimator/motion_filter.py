@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import copy
 import math
+from functools import lru_cache
 
 import numpy as np
 from filterpy.kalman import KalmanFilter
@@ -47,6 +48,20 @@ def singer_noise(dt_s: float, tau_s: float, sigma_mps2: float) -> FloatArray:
     return 2.0 * a * sigma_mps2**2 * np.array([[pp, pv, pa], [pv, vv, va], [pa, va, aa]])
 
 
+@lru_cache(maxsize=512)
+def models(dt_s: float, tau_s: float, sigma_mps2: float) -> tuple[FloatArray, FloatArray]:
+    """Return transition and process noise of both axes, shapes (6, 6), over ``dt_s`` [s].
+
+    Ticks come at the same few times after a fix again and again. Not to be written to.
+    """
+    transition, noise = np.zeros((6, 6)), np.zeros((6, 6))
+    transition[:3, :3] = transition[3:, 3:] = singer_transition(dt_s, tau_s)
+    noise[:3, :3] = noise[3:, 3:] = singer_noise(dt_s, tau_s, sigma_mps2)
+    for model in (transition, noise):
+        model.setflags(write=False)
+    return transition, noise
+
+
 class MotionFilter:
     """The filter over one continuous stretch of fixes."""
 
@@ -77,18 +92,12 @@ class MotionFilter:
         """The position [m] at the filter's time."""
         return float(self._kf.x[0]), float(self._kf.x[3])
 
-    def _models(self, dt_s: float, sigma_mps2: float) -> tuple[FloatArray, FloatArray]:
-        transition, noise = np.zeros((6, 6)), np.zeros((6, 6))
-        transition[:3, :3] = transition[3:, 3:] = singer_transition(dt_s, self._tau_s)
-        noise[:3, :3] = noise[3:, 3:] = singer_noise(dt_s, self._tau_s, sigma_mps2)
-        return transition, noise
-
     def predicted(self, time_s: float, sigma_mps2: float) -> MotionEstimate:
         """Return the estimate carried to ``time_s`` [s]; the filter itself stays as it is."""
         dt = time_s - self.time_s
         state, covariance = self._kf.x, self._kf.P
         if dt > 0.0:
-            f, q = self._models(dt, sigma_mps2)
+            f, q = models(round(dt, 9), self._tau_s, sigma_mps2)
             state, covariance = f @ state, f @ covariance @ f.T + q
         x, vx, ax, y, vy, ay = state.tolist()
         return MotionEstimate(Motion(time_s, x, y, vx, vy, ax, ay), np.array(covariance))
@@ -97,7 +106,7 @@ class MotionFilter:
         """Predict to ``time_s`` [s], not before the filter's own time."""
         dt = time_s - self.time_s
         if dt > 0.0:
-            f, q = self._models(dt, sigma_mps2)
+            f, q = models(round(dt, 9), self._tau_s, sigma_mps2)
             self._kf.predict(F=f, Q=q)
             self.time_s = time_s
 

@@ -51,6 +51,12 @@ class Motion:
         """Position and course."""
         return Pose(self.x_m, self.y_m, self.course_rad)
 
+    def stamped(self, time_s: float) -> Motion:
+        """Return the same motion at another time [s]: that of another clock."""
+        return Motion(
+            time_s, self.x_m, self.y_m, self.vx_mps, self.vy_mps, self.ax_mps2, self.ay_mps2
+        )
+
     def is_finite(self) -> bool:
         """Whether no component is NaN or infinite."""
         return (

@@ -39,20 +39,34 @@ class Forecast:
     def positions(self, times_s: FloatArray | Sequence[float]) -> FloatArray:
         """Return the helicopter's positions, shape (n, 2) [m], at ``times_s``."""
         times = np.asarray(times_s, dtype=np.float64)
-        begins = np.array([stretch.time_s for stretch in self.stretches])
-        index = np.maximum(np.searchsorted(begins, times, side="right") - 1, 0)
+        table = self._table
+        stretch = np.maximum(np.searchsorted(table[0], times, side="right") - 1, 0)
+        begun, x, y, east, north, speed, accel = table[:, stretch]
+        duration = times - begun
+        run = speed * duration + 0.5 * accel * np.square(np.maximum(duration, 0.0))
         out = np.empty((times.size, 2))
-        for i, stretch in enumerate(self.stretches):
-            chosen = index == i
-            if not chosen.any():
-                continue
-            duration = times[chosen] - stretch.time_s
-            accel_of = np.where(duration > 0.0, stretch.accel_mps2, 0.0)
-            run = stretch.speed_mps * duration + 0.5 * accel_of * duration**2
-            heading = stretch.start.heading_rad
-            out[chosen, 0] = stretch.start.x_m + math.cos(heading) * run
-            out[chosen, 1] = stretch.start.y_m + math.sin(heading) * run
+        out[:, 0] = x + east * run
+        out[:, 1] = y + north * run
         return out
+
+    @property
+    def _table(self) -> FloatArray:
+        """Time, x, y, direction, speed and acceleration of every stretch, shape (7, n)."""
+        rows = []
+        for one in self.stretches:
+            pose, heading = one.start, one.start.heading_rad
+            rows.append(
+                (
+                    one.time_s,
+                    pose.x_m,
+                    pose.y_m,
+                    math.cos(heading),
+                    math.sin(heading),
+                    one.speed_mps,
+                    one.accel_mps2,
+                )
+            )
+        return np.array(rows).T
 
     def in_frame(self, frame: CornerFrame) -> Forecast:
         """Return the same motion in the coordinates of a frame."""

@@ -29,11 +29,6 @@ class Straight:
         """Return the pose ``distance_m`` [m] along this segment begun at ``start``."""
         return start.offset(distance_m)
 
-    def points(self, start: Pose, distances_m: FloatArray) -> FloatArray:
-        """Return positions, shape (n, 2), at ``distances_m`` [m] from ``start``."""
-        c, s = math.cos(start.heading_rad), math.sin(start.heading_rad)
-        return np.column_stack((start.x_m + c * distances_m, start.y_m + s * distances_m))
-
     def part(self, length_m: float) -> Straight:
         """Return the first ``length_m`` [m] of this straight."""
         return Straight(length_m)
@@ -54,6 +49,11 @@ class Arc:
     def length_m(self) -> float:
         """Length [m]."""
         return self.radius_m * abs(self.turn_rad)
+
+    @property
+    def curvature(self) -> float:
+        """One over the radius, positive to the left [1/m]."""
+        return math.copysign(1.0 / self.radius_m, self.turn_rad)
 
     def centre(self, start: Pose) -> tuple[float, float]:
         """Return the centre of the circle [m] for an arc begun at ``start``."""
@@ -138,6 +138,24 @@ class FlightPath:
         lengths = [0.0, *(segment.length_m for segment in self.segments)]
         return np.cumsum(np.asarray(lengths, dtype=np.float64))
 
+    @cached_property
+    def _parts(self) -> FloatArray:
+        """x, y, heading, curvature and path distance where each part begins, shape (5, n + 2).
+
+        The first part is a straight before the path, the last one a straight behind it.
+        """
+        poses = (self.start, *self.joints)
+        bends = [part.curvature if isinstance(part, Arc) else 0.0 for part in self.segments]
+        return np.array(
+            [
+                [pose.x_m for pose in poses],
+                [pose.y_m for pose in poses],
+                [pose.heading_rad for pose in poses],
+                [0.0, *bends, 0.0],
+                [0.0, *self._starts_m],
+            ]
+        )
+
     @property
     def end(self) -> Pose:
         """The pose at the end."""
@@ -146,19 +164,15 @@ class FlightPath:
     def points(self, distances_m: FloatArray | Sequence[float]) -> FloatArray:
         """Return positions, shape (n, 2) [m], at path distances; beyond the end: straight on."""
         distances = np.asarray(distances_m, dtype=np.float64)
+        part = np.searchsorted(self._starts_m, distances, side="right")
+        x, y, heading, curvature, begun = self._parts[:, part]
+        over = distances - begun
+        half_turn = 0.5 * curvature * over
+        chord = over * np.sinc(half_turn / math.pi)
+        course = heading + half_turn
         out = np.empty((distances.size, 2))
-        index = np.searchsorted(self._starts_m, distances, side="right") - 1
-        for i, segment in enumerate(self.segments):
-            chosen = index == i
-            if chosen.any():
-                out[chosen] = segment.points(self.joints[i], distances[chosen] - self._starts_m[i])
-        beyond = index >= len(self.segments)
-        if beyond.any():
-            over = distances[beyond] - self._starts_m[-1]
-            out[beyond] = Straight(0.0).points(self.end, over)
-        before = index < 0
-        if before.any():
-            out[before] = Straight(0.0).points(self.start, distances[before])
+        out[:, 0] = x + chord * np.cos(course)
+        out[:, 1] = y + chord * np.sin(course)
         return out
 
     def pose_at(self, distance_m: float) -> Pose:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -208,7 +208,7 @@ class _Flight:
     def _know(self) -> None:
         now, known = self.world.time_s, self.estimator
         tell_monitor(self.monitor, known.predict(now), known.phase(now), known.corner, known.leg)
-        self.monitor.set_uav(replace(self.world.autopilot.motion, time_s=now))
+        self.monitor.set_uav(self.world.autopilot.motion.stamped(now))
 
     def _load(self, points: FloatArray, stamp_s: float, climb_m: float) -> None:
         if self._gated:

@@ -253,7 +253,7 @@ class OfflineFlight:
         estimate = source.predict(self.now_s)
         if estimate is not None:
             self.planner.set_helicopter(estimate.motion)
-        uav = replace(self.world.autopilot.motion, time_s=self.now_s)
+        uav = self.world.autopilot.motion.stamped(self.now_s)
         self.planner.set_uav(uav)
         self.monitor.set_uav(uav)
         self.planner.set_wind(self.world.autopilot.wind_estimate_mps)

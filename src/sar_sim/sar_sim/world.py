@@ -135,11 +135,11 @@ class World:
         """Return the true motions as topics and messages; ``uav``: whether its one is flown."""
         found = []
         if uav:
-            flown = replace(self.autopilot.motion, time_s=ros_time_s)
+            flown = self.autopilot.motion.stamped(ros_time_s)
             yaw = self.autopilot.state.heading_rad
             found.append((topics.TRUE_UAV, motion_to_odometry(flown, child="uav", yaw_rad=yaw)))
         if self.helicopter is not None:
-            motion = replace(self.helicopter.motion(self.time_s), time_s=ros_time_s)
+            motion = self.helicopter.motion(self.time_s).stamped(ros_time_s)
             yaw = self.helicopter.heading_rad(self.time_s)
             message = motion_to_odometry(motion, child="helicopter", yaw_rad=yaw)
             found.append((topics.TRUE_HELICOPTER, message))
