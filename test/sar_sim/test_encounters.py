@@ -1,7 +1,6 @@
-"""Encounters with a planner that misbehaves, and normal formation, under the monitor."""
+"""Encounters with a planner that misbehaves, under the monitor."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,15 +9,10 @@ from sar_bridge.separation_monitor import SeparationMonitor
 from sar_estimator.states import Motion
 from sar_sim.encounters import (
     KINDS,
-    NEAR_M,
     escape_bound_m,
     fly_encounter,
-    fly_formation,
-    formation_summary,
     summary,
 )
-from sar_sim.options import find_scenario
-from sar_sim.scenario import load_scenario
 
 SEEDS = range(3 * len(KINDS))
 
@@ -71,13 +65,3 @@ def test_no_escape_is_better_than_the_bound():
         straight = min(math.hypot(20.0 * t - x, y) for t in np.arange(0.0, 99.0, 0.25))
         assert bound >= straight - 1e-6
         assert bound <= math.hypot(x, y) + 1e-6
-
-
-def test_normal_formation_is_left_alone():
-    base = load_scenario(find_scenario("arduplane"))
-    short = replace(base, pattern=replace(base.pattern, corners=3))
-    hours = [fly_formation(seed, short) for seed in (0, 1)]
-    assert [h.alerts["escape"] for h in hours] == [0, 0]
-    assert all(h.alerts["passed"] > 10 for h in hours)
-    assert all(h.separation_m > 1.5 * NEAR_M for h in hours)
-    assert formation_summary(hours).startswith("formation, 2 missions, 0.2 h flown: escapes 0")

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from sar_sim.missions import Observer, fly_once
+from sar_sim.missions import Observer, fly
 from sar_sim.offline import OfflineFlight
 from sar_sim.options import find_scenario
 from sar_sim.scenario import load_scenario
@@ -13,7 +13,7 @@ LEAST_M = 200.0
 
 
 def outcome(name):
-    return fly_once(load_scenario(find_scenario(name)), "deadbeat")
+    return fly(load_scenario(find_scenario(name)), "deadbeat")
 
 
 @pytest.mark.parametrize("name", ["hover", "angles", "drift", "accel"])
@@ -50,7 +50,7 @@ def test_extra_path_defeats_the_papers_rules():
     """300 to 550 m of extra path a corner: the lag never settles (fig. 9), and it is not safe."""
     scenario = load_scenario(find_scenario("extra_path"))
     short = replace(scenario, pattern=replace(scenario.pattern, corners=6))
-    flown = fly_once(short, "paper", watch_only=True)
+    flown = fly(short, "paper", watch_only=True)
     assert min(flown.lags_m[2:]) > 250.0
     assert {"T1", "T2"} == set(flown.rules)
     assert flown.separation_m < 100.0

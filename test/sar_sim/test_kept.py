@@ -1,16 +1,24 @@
 """Results that are kept: broken off, resumed, and not mixed with others."""
 
+import json
 import math
 import os
+import socket
+import subprocess
+import sys
+import threading
+import time
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import pytest
 
+from sar_sim.encounters import Encounter, fly_encounter
 from sar_sim.kept import Kept
-from sar_sim.pool import in_parallel
-from sar_sim.squares_cli import main as squares
+from sar_sim.pool import Workers, in_parallel
+from sar_sim.rejoin_trials_cli import main as rejoin_trials
 
 
 @dataclass(frozen=True)
@@ -31,15 +39,21 @@ def flown(log):
     return sorted(int(line) for line in log.read_text().split()) if log.exists() else []
 
 
+def all_of(file, seeds, log, part="x", scheduler=""):
+    do = partial(work, log=log)
+    with Workers(2, scheduler) as workers:
+        kept = Kept(file, {"work": "a"})
+        return in_parallel(do, seeds, workers, kind=Result, kept=kept, part=part)
+
+
 def test_what_is_kept_is_not_done_again_and_comes_back_equal(tmp_path):
     file, log = tmp_path / "kept.jsonl", tmp_path / "log"
-    do = partial(work, log=log)
-    first = in_parallel(do, range(3), 2, kind=Result, kept=Kept(file, {"work": "a"}), part="x")
-    again = in_parallel(do, range(1, 5), 2, kind=Result, kept=Kept(file, {"work": "a"}), part="x")
+    first = all_of(file, range(3), log)
+    again = all_of(file, range(1, 5), log)
     assert flown(log) == [0, 1, 2, 3, 4]
     assert again[:2] == first[1:]
     assert [result.seed for result in again] == [1, 2, 3, 4]
-    in_parallel(do, range(1), 1, kind=Result, kept=Kept(file, {"work": "a"}), part="y")
+    all_of(file, range(1), log, part="y")
     assert flown(log).count(0) == 2
 
 
@@ -76,9 +90,9 @@ def test_results_of_something_else_are_refused(tmp_path):
 def test_a_command_says_so_in_one_line(tmp_path, capsys):
     file = tmp_path / "kept.jsonl"
     file.write_text("[]\n")
-    assert squares(["--keep", str(file), "--seeds", "1"]) == 2
+    assert rejoin_trials(["--keep", str(file), "--starts", "1"]) == 2
     assert capsys.readouterr().err == (
-        f"squares: --keep {file}: of another work; expected the same, or no file\n"
+        f"rejoin_trials: --keep {file}: of another work; expected the same, or no file\n"
     )
 
 
@@ -86,3 +100,47 @@ def test_nothing_is_kept_without_a_file():
     kept = Kept(None, {})
     kept.add("", 1, work(1, log=Path(os.devnull)))
     assert kept.get("", 1, Result) is None
+
+
+@pytest.mark.timeout(120)
+def test_a_cluster_that_loses_a_worker_loses_and_doubles_no_row(tmp_path):
+    """A scheduler and two workers in processes of their own; one is killed on the way."""
+    file, seeds = tmp_path / "kept.jsonl", range(8)
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        url = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    begin = partial(
+        subprocess.Popen, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    scheduler = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--no-dashboard"]
+    worker = [sys.executable, "-m", "distributed.cli.dask_worker", url, "--no-dashboard"]
+    processes = [begin([*scheduler, "--host", "127.0.0.1", "--port", url.rsplit(":", 1)[1]])]
+    processes += [begin([*worker, "--nthreads", "1", "--no-nanny"]) for _ in range(2)]
+    killer = threading.Thread(target=kill_when, args=(processes[1], file, 2), daemon=True)
+    killer.start()
+    try:
+        made = on_cluster(url, file, seeds)
+        killer.join(10.0)
+        assert processes[1].poll() is not None
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait(10.0)
+    rows = [json.loads(line)["seed"] for line in file.read_text().splitlines()[1:]]
+    assert rows == list(seeds)
+    assert made == [fly_encounter(seed) for seed in seeds]
+
+
+def on_cluster(url, file, seeds):
+    """Fly on the cluster, as soon as its scheduler is there."""
+    while True:
+        with suppress(ValueError), Workers(None, url) as workers:
+            kept = Kept(file, {"work": "a"})
+            return in_parallel(fly_encounter, seeds, workers, kind=Encounter, kept=kept)
+
+
+def kill_when(process, file, count):
+    while not file.exists() or len(file.read_text().splitlines()) <= count:
+        time.sleep(0.02)
+    process.kill()

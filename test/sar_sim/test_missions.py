@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from sar_planner.benchmark_cli import main as benchmark
-from sar_sim.convergence_cli import main as convergence
-from sar_sim.missions import Outcome, seeded, summary
+from sar_sim.missions import Mission, seeded, watched
 from sar_sim.rejoin_trials_cli import main as rejoin_trials
 from sar_sim.rules_figure_cli import main as rules_figure
 from sar_sim.scenario import Scenario
@@ -19,28 +18,40 @@ def test_seed_is_everyones_and_lag_is_drawn():
     assert seeded(Scenario(), 7, None).uav.lag_m == 800.0
 
 
-def test_summary_counts_late_corners():
-    outcomes = [
-        Outcome(1, (500.0, 3.0, 2.0), ("D2",), 230.0, 10.0, 1, 900.0, {"escape": 1}),
-        Outcome(2, (300.0, 40.0, 20.0), ("D2",), 190.0, 20.0, 1, 900.0, {"caution": 2}),
-    ]
-    text = summary(outcomes, tolerance_m=15.0, from_corner=2)
-    assert "from 2 on: 50.0% of 2 missions; at 50.0% of those corners" in text
-    assert "least separation 190.0 m (seed 2, t = 20 s)" in text
-    assert "0.5 h flown: escapes 1, warnings 0, cautions 2; lists passed 0, refused 0" in text
+def mission(seed, lags_m, separation_m, separation_s, alerts):
+    foretold = (0.0,) * len(lags_m)
+    return Mission(
+        seed,
+        lags_m,
+        foretold,
+        ("D2",),
+        separation_m,
+        separation_s,
+        coverage_percent=99.0,
+        overlap_percent=20.0,
+        seen_km2=10.0,
+        covered_s=1800.0,
+        corrections=1,
+        lists=9,
+        flown_s=900.0,
+        alerts=alerts,
+        problems=frozenset(),
+    )
 
 
-def test_convergence_of_a_few_missions(capsys, tmp_path):
-    plot = tmp_path / "lags.png"
-    options = ["--seeds", "4", "--jobs", "2", "--lags", "-100", "500", "--plot", str(plot)]
-    assert convergence(options) == 0
-    out = capsys.readouterr().out
-    assert "from 3 on: 100.0% of 4 missions" in out
-    least = float(out.split("least separation ")[1].split(" m")[0])
-    assert least >= 200.0
-    assert plot.stat().st_size > 10_000
-    assert convergence(["--scenario", "nowhere"]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
+ONE = mission(1, (500.0, 3.0, 2.0), 230.0, 10.0, {"escape": 1})
+OTHER = mission(2, (300.0, 40.0, 20.0), 190.0, 20.0, {"caution": 2})
+
+
+def test_extra_path_and_rate():
+    assert OTHER.extra_m == (40.0, 20.0)
+    assert OTHER.rate_km2_per_h == pytest.approx(20.0)
+
+
+def test_what_the_monitor_did_is_added_up():
+    assert watched([ONE, OTHER]) == (
+        "0.5 h flown: escapes 1, warnings 0, cautions 2; lists passed 0, refused 0"
+    )
 
 
 def test_rejoin_from_random_starts(capsys):

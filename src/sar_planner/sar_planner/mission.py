@@ -12,11 +12,12 @@ import numpy as np
 
 from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.deadbeat_pilot import DeadbeatPilot
+from sar_planner.follow_pilot import FollowPilot
 from sar_planner.geometry import FloatArray
 from sar_planner.mission_parameters import ActiveCorner, MissionParameters, Mode
 from sar_planner.paper_pilot import PaperPilot
 from sar_planner.parameters import CornerParameters
-from sar_planner.rule_sets import make_rule_set
+from sar_planner.rule_sets import check_planner
 from sar_planner.situation import Situation
 from sar_planner.vehicle import Vehicle
 
@@ -61,6 +62,14 @@ class WaypointList:
     points: FloatArray
 
 
+Pilot = DeadbeatPilot | PaperPilot | FollowPilot
+PILOTS: dict[str, type[Pilot]] = {
+    "deadbeat": DeadbeatPilot,
+    "paper": PaperPilot,
+    "follow": FollowPilot,
+}
+
+
 class MissionPlanner:
     """Engages, disengages, and hands what is known to the pilot of the chosen rule set.
 
@@ -71,12 +80,11 @@ class MissionPlanner:
 
     def __init__(self, corner: CornerParameters, mission: MissionParameters) -> None:
         """Check both parameter sets."""
-        make_rule_set(mission.rules, corner)
+        check_planner(mission.rules, corner)
         self.corner_parameters = corner
         self.parameters = mission
         self.situation = Situation(corner, mission.turn_side)
-        pilot = PaperPilot if mission.rules == "paper" else DeadbeatPilot
-        self._pilot: PaperPilot | DeadbeatPilot = pilot(self.situation, corner, mission)
+        self._pilot = PILOTS[mission.rules](self.situation, corner, mission)
         self.engaged = False
         self.problem = ""
         self.list: WaypointList | None = None

@@ -1,4 +1,4 @@
-"""The rule sets a planner can be started with, by name."""
+"""The planners by name: those with a rule set, and one that only follows its slot point."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from sar_planner.deadbeat_automaton import DeadbeatAutomaton
 from sar_planner.parameters import CornerParameters, ParameterError
 
 RULE_SETS = ("deadbeat", "paper")
+PLANNERS = (*RULE_SETS, "follow")
 
 
 def make_rule_set(
@@ -22,3 +23,14 @@ def make_rule_set(
     if name == "deadbeat":
         return DeadbeatAutomaton(parameters, enforce=enforce)
     raise ParameterError(f"rules = {name}: expected one of {', '.join(RULE_SETS)}")
+
+
+def check_planner(name: str, parameters: CornerParameters) -> None:
+    """Refuse an unknown planner, and parameters outside the conditions of its rules.
+
+    Raises ``ParameterError``.
+    """
+    if name not in PLANNERS:
+        raise ParameterError(f"rules = {name}: expected one of {', '.join(PLANNERS)}")
+    if name in RULE_SETS:
+        make_rule_set(name, parameters)

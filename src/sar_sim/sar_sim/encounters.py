@@ -1,4 +1,4 @@
-"""Encounters with a planner that misbehaves, and hours of normal formation: the monitor's trials.
+"""Encounters with a planner that misbehaves: the monitor's trials.
 
 The helicopter, its receiver and estimator, the monitor and the simulated ArduPlane are those that
 fly. Only the planner is replaced by one that leads the UAV where it must not be.
@@ -21,10 +21,8 @@ from sar_estimator.plane import Pose
 from sar_estimator.states import FloatArray, Motion
 from sar_sim.handover import load_list, tell_monitor
 from sar_sim.helicopter import PatternHelicopter
-from sar_sim.missions import Observer, alerts_of, watched
-from sar_sim.offline import STEPS_PER_GUARD, STEPS_PER_TICK, OfflineFlight, make_monitor
+from sar_sim.offline import STEPS_PER_GUARD, STEPS_PER_TICK, make_monitor
 from sar_sim.scenario import AUTOPILOTS, Gps, Pattern, Pilot, Scenario, Uav, Wind
-from sar_sim.squares import CONDITIONS
 from sar_sim.world import World
 
 KINDS = ("wrong side", "wrong corner", "stale", "crossing")
@@ -270,37 +268,3 @@ def summary(encounters: list[Encounter]) -> str:
                 f"{sum(e.escapes > 0 for e in part):11d}{sum(e.refused for e in part):13d}"
             )
     return "\n".join(lines)
-
-
-@dataclass(frozen=True, slots=True)
-class Hours:
-    """A mission of normal formation: how long [s], what the monitor did, least separation [m]."""
-
-    seed: int
-    condition: str
-    flown_s: float
-    alerts: dict[str, int]
-    separation_m: float
-
-
-FORMATION = ("calm, f = 0 %", "wind 6 m/s")
-
-
-def fly_formation(seed: int, base: Scenario) -> Hours:
-    """Fly one expanding square in formation, watched by the monitor."""
-    name = FORMATION[seed % len(FORMATION)]
-    flight = OfflineFlight(CONDITIONS[name].scenario(base, seed))
-    seen = Observer(flight.world)
-    flight.run(observe=seen)
-    return Hours(seed, name, flight.world.time_s, alerts_of(flight), seen.separation_m)
-
-
-def formation_summary(hours: list[Hours]) -> str:
-    """Return what the monitor did in hours of normal formation as text."""
-    worst = min(hours, key=lambda h: h.separation_m)
-    away = [f"{h.seed} ({h.condition})" for h in hours if h.alerts["escape"]]
-    return (
-        f"formation, {len(hours)} missions, {watched(hours)}; least separation "
-        f"{worst.separation_m:.1f} m (seed {worst.seed})"
-        + (f"\nsent away in seeds {', '.join(away)}" if away else "")
-    )

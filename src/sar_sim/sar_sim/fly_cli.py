@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from sar_planner.rule_sets import RULE_SETS
+from sar_planner.rule_sets import PLANNERS
 from sar_sim.bag import BagWriter
 from sar_sim.offline import OfflineFlight, Progress
 from sar_sim.options import (
@@ -80,7 +80,7 @@ def fly(
 def main(argv: list[str] | None = None) -> int:
     """Run the command; 2 on bad input."""
     parser = argparse.ArgumentParser(prog="fly", description=__doc__)
-    add_flight_options(parser, rule_sets=RULE_SETS)
+    add_flight_options(parser, rule_sets=PLANNERS)
     parser.add_argument("--truth", action="store_true", help="the true state, not the filter's")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     args = parser.parse_args(argv)

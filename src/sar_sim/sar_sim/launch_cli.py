@@ -24,7 +24,7 @@ from sar_estimator import topics
 from sar_estimator.messages import from_stamp
 from sar_estimator.node_support import RELIABLE, start_ros
 from sar_planner.parameters import ParameterError
-from sar_planner.rule_sets import RULE_SETS, make_rule_set
+from sar_planner.rule_sets import PLANNERS, check_planner
 from sar_sim.dds_cut import DdsCut
 from sar_sim.faults import NodeFaults
 from sar_sim.home_link import home_of
@@ -216,7 +216,7 @@ def free_port() -> int:
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="launch.sh", description=__doc__)
-    add_flight_options(parser, rule_sets=RULE_SETS)
+    add_flight_options(parser, rule_sets=PLANNERS)
     parser.add_argument("--speed", type=float, help="times real time, default 10 in simulation")
     parser.add_argument(
         "--autopilot", default="", metavar="URL", help="udp:H:P, tcp:H:P or /dev/NAME,BAUD"
@@ -246,7 +246,7 @@ def prepare(args: argparse.Namespace) -> Flight:
     scenario = scenario_from(args)
     if options.autopilot and options.helicopter == "sim" and scenario.datum == Scenario().datum:
         scenario = replace(scenario, datum=home_of(options.autopilot))
-    make_rule_set(args.rules, scenario.corner)
+    check_planner(args.rules, scenario.corner)
     if options.recorded:
         load_track(Path(options.helicopter))
     file = args.params or scenario_folder().parent / "params.yaml"

@@ -34,6 +34,8 @@ class FlightOptions:
             raise ScenarioError("--no-sim: expected --helicopter topic, a live GPS fix")
         if self.watch_only and not self.simulation:
             raise ScenarioError("--watch-only: expected a simulation, not a real flight")
+        if self.rules == "follow" and not self.simulation:
+            raise ScenarioError("--rules follow keeps no separation: expected a simulation")
         if self.speed is not None and not 0.0 < self.speed <= 100.0:
             raise ScenarioError(f"--speed {self.speed}: expected more than 0, at most 100")
         if self.speed not in (None, 1.0) and self.helicopter == "topic":

@@ -1,58 +1,83 @@
-"""Many missions flown offline: what came of each, and of all."""
+"""Missions flown offline: what came of one, as a row of plain values, and of many."""
 
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
+from sar_planner.mission_parameters import ActiveCorner
+from sar_sim.coverage import Coverage, ideal_tracks, measure
+from sar_sim.helicopter import CornerTruth
 from sar_sim.offline import OfflineFlight
 from sar_sim.scenario import Scenario
 from sar_sim.world import World
 
+COVERED_FROM_CORNER = 3
+TRACK_STEPS = 10
+SAME_CORNER_S = 15.0
+
 
 @dataclass(frozen=True)
-class Outcome:
-    """One mission: true L(k) [m], rules, least separation [m] and its time, path corrections.
+class Mission:
+    """One mission.
 
-    ``alerts``: the monitor's, and lists passed and refused, counted.
+    ``lags_m``: true L(k) at every corner's onset; ``foretold_m``: L(k+1) as the path for corner k
+    was planned last, NaN where none was; ``rules``: of those paths. ``separation_m``: the closest
+    approach, at ``separation_s``. Coverage and overlap [%] and the area seen [km^2] count from the
+    third corner on, over ``covered_s``. ``alerts``: the monitor's, and lists passed and refused,
+    counted; ``problems``: what the planner said, without numbers.
     """
 
     seed: int
     lags_m: tuple[float, ...]
+    foretold_m: tuple[float, ...]
     rules: tuple[str, ...]
     separation_m: float
     separation_s: float
+    coverage_percent: float
+    overlap_percent: float
+    seen_km2: float
+    covered_s: float
     corrections: int
+    lists: int
     flown_s: float
     alerts: dict[str, int]
-
-
-class Watched(Protocol):
-    """A mission that the monitor watched."""
+    problems: frozenset[str]
 
     @property
-    def flown_s(self) -> float:
-        """How long it was [s]."""
+    def extra_m(self) -> tuple[float, ...]:
+        """How much farther than planned was flown at each corner, the last one left out [m]."""
+        return tuple(
+            lag - foretold for lag, foretold in zip(self.lags_m[1:], self.foretold_m, strict=False)
+        )
 
     @property
-    def alerts(self) -> dict[str, int]:
-        """What the monitor said and did, counted."""
+    def rate_km2_per_h(self) -> float:
+        """The area seen in an hour, from the third corner on [km^2/h]."""
+        return 3600.0 * self.seen_km2 / self.covered_s if self.covered_s > 0.0 else math.nan
 
 
 class Observer:
-    """Watches a world: true lags at every onset, and the least separation."""
+    """Watches a world: true lags at every onset, the least separation, both tracks."""
 
     def __init__(self, world: World) -> None:
         """Nothing is seen yet."""
         self._corners = list(world.corners)
+        self._steps = 0
+        self._track: list[tuple[float, float, float, float]] = []
         self.lags_m: list[float] = []
         self.separation_m = math.inf
         self.separation_s = 0.0
+
+    @property
+    def track(self) -> np.ndarray:
+        """The helicopter's and the UAV's positions twice a second, shape (n, 4) [m]."""
+        return np.array(self._track).reshape(-1, 4)
 
     def __call__(self, world: World) -> None:
         """Look at the present state."""
@@ -61,6 +86,9 @@ class Observer:
         apart = math.hypot(uav.x_m - helicopter.x_m, uav.y_m - helicopter.y_m)
         if apart < self.separation_m:
             self.separation_m, self.separation_s = apart, world.time_s
+        self._steps += 1
+        if self._steps % TRACK_STEPS == 0:
+            self._track.append((helicopter.x_m, helicopter.y_m, uav.x_m, uav.y_m))
         while self._corners and self._corners[0].onset_time_s <= world.time_s:
             corner = self._corners.pop(0)
             since = uav.speed_mps * (world.time_s - corner.onset_time_s)
@@ -80,37 +108,85 @@ def seeded(scenario: Scenario, seed: int, lags_m: tuple[float, float] | None) ->
     )
 
 
-def fly_once(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Outcome:
-    """Fly one mission with the estimator in the loop."""
-    flight = OfflineFlight(scenario, rules=rules, watch_only=watch_only)
-    seen = Observer(flight.world)
-    flown: dict[int, str] = {}
+def covered(world: World, track: np.ndarray) -> Coverage:
+    """Return what was seen of what the ideal formation sees from the third corner on.
 
-    def observe(world: World) -> None:
-        seen(world)
-        active = flight.planner.active
-        if active is not None:
-            flown[active.k] = str(active.plan.rule)
-
-    flight.run(observe=observe)
-    return Outcome(
-        scenario.gps.seed,
-        tuple(seen.lags_m),
-        tuple(flown[k] for k in sorted(flown)),
-        seen.separation_m,
-        seen.separation_s,
-        flight.planner.corrections,
-        flight.world.time_s,
-        alerts_of(flight),
+    ``track``: helicopter's and UAV's positions, shape (n, 4).
+    """
+    scenario = world.scenario
+    stops = [(c.stop.x_m, c.stop.y_m) for c in world.corners[COVERED_FROM_CORNER - 1 :]]
+    ideal = ideal_tracks(
+        np.vstack((*stops, track[-1, :2])),
+        spacing_m=scenario.corner.spacing_m,
+        turn_side=scenario.pattern.turn_side,
+    )
+    return measure(
+        track[:, :2],
+        track[:, 2:],
+        ideal,
+        radius_m=scenario.sensor.radius_m,
+        footprint=scenario.sensor.footprint,
     )
 
 
-def alerts_of(flight: OfflineFlight) -> dict[str, int]:
-    """Return what the monitor said and did, counted by name."""
-    return {str(name): count for name, count in flight.monitor.counts.items()}
+def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
+    """Fly one mission with the estimator in the loop."""
+    flight = OfflineFlight(scenario, rules=rules, watch_only=watch_only)
+    seen = Observer(flight.world)
+    planned: dict[int, ActiveCorner] = {}
+    problems: set[str] = set()
+
+    def observe(world: World) -> None:
+        seen(world)
+        if flight.planner.active is not None:
+            planned[flight.planner.active.k] = flight.planner.active
+        if flight.planner.problem:
+            problems.update(_kinds(flight.planner.problem))
+
+    flight.run(observe=observe)
+    world = flight.world
+    coverage, overlap, seen_km2, covered_s = math.nan, math.nan, math.nan, 0.0
+    if len(world.corners) >= COVERED_FROM_CORNER:
+        area = covered(world, seen.track)
+        coverage, overlap = area.percent, area.overlap_percent
+        seen_km2 = area.covered_m2 / 1e6
+        covered_s = world.time_s - world.corners[COVERED_FROM_CORNER - 1].stop_time_s
+    return Mission(
+        scenario.gps.seed,
+        tuple(seen.lags_m),
+        tuple(_foretold(corner, planned.values()) for corner in world.corners),
+        tuple(str(planned[k].plan.rule) for k in sorted(planned)),
+        seen.separation_m,
+        seen.separation_s,
+        coverage,
+        overlap,
+        seen_km2,
+        covered_s,
+        flight.planner.corrections,
+        0 if flight.planner.list is None else flight.planner.list.number,
+        world.time_s,
+        {str(name): count for name, count in flight.monitor.counts.items()},
+        frozenset(problems),
+    )
 
 
-def watched(missions: Sequence[Watched]) -> str:
+def _foretold(corner: CornerTruth, planned: Iterable[ActiveCorner]) -> float:
+    """Return L(k+1) as it was planned last for a corner [m], NaN where it was not planned.
+
+    By the time of its onset: the planner also counts corners that it foretold in vain.
+    """
+    for active in planned:
+        if abs(active.estimate.onset_time_s - corner.onset_time_s) < SAME_CORNER_S:
+            return active.plan.next_lag_m
+    return math.nan
+
+
+def _kinds(problem: str) -> set[str]:
+    """Return what is wrong without the numbers."""
+    return {re.sub(r"\s*[\d.]+ m/s", "", part.split(":")[0]) for part in problem.split("; ")}
+
+
+def watched(missions: Sequence[Mission]) -> str:
     """Return what the monitor said and did in all of some missions as text."""
     total = Counter[str]()
     for mission in missions:
@@ -120,28 +196,3 @@ def watched(missions: Sequence[Watched]) -> str:
         f"{hours:.1f} h flown: escapes {total['escape']}, warnings {total['warning']}, "
         f"cautions {total['caution']}; lists passed {total['passed']}, refused {total['refused']}"
     )
-
-
-def summary(outcomes: list[Outcome], *, tolerance_m: float, from_corner: int) -> str:
-    """Return a table of |L(k)| by corner, and the separation, over missions of equal length."""
-    lags = np.abs(np.array([outcome.lags_m for outcome in outcomes]))
-    separation = np.array([outcome.separation_m for outcome in outcomes])
-    lines = ["corner   median |L|      p95      max  [m]"]
-    for k, column in enumerate(lags.T, start=1):
-        lines.append(
-            f"{k:6d} {np.median(column):12.1f} {np.percentile(column, 95):8.1f} {column.max():8.1f}"
-        )
-    late = lags[:, from_corner - 1 :]
-    lines.append(
-        f"|L(k)| <= {tolerance_m:g} m at every corner from {from_corner} on: "
-        f"{(late <= tolerance_m).all(axis=1).mean():.1%} of {len(outcomes)} missions; "
-        f"at {(late <= tolerance_m).mean():.1%} of those corners"
-    )
-    worst = outcomes[int(separation.argmin())]
-    lines.append(
-        f"least separation {separation.min():.1f} m (seed {worst.seed}, "
-        f"t = {worst.separation_s:.0f} s), 1 % of missions below "
-        f"{np.percentile(separation, 1):.1f} m, median {np.median(separation):.1f} m"
-    )
-    lines.append(watched(outcomes))
-    return "\n".join(lines)

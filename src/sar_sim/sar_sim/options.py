@@ -36,6 +36,21 @@ def find_scenario(name: str) -> Path:
     return path
 
 
+def find_plan(name: str) -> Path:
+    """Return the file of a campaign's plan given as a path or as a name in config/campaigns."""
+    given = Path(name)
+    if given.suffix in (".yaml", ".yml") or given.is_file():
+        if not given.is_file():
+            raise ScenarioError(f"{name}: no such file")
+        return given
+    folder = scenario_folder().parent / "campaigns"
+    path = folder / f"{name}.yaml"
+    if not path.is_file():
+        known = ", ".join(sorted(item.stem for item in folder.glob("*.yaml")))
+        raise ScenarioError(f"{name}: expected a file or one of {known}")
+    return path
+
+
 def add_flight_options(parser: argparse.ArgumentParser, *, rule_sets: tuple[str, ...]) -> None:
     """Add what says which mission is flown and where its results go."""
     parser.add_argument("--scenario", default="paper", help="a scenario's name or YAML file")

@@ -9,7 +9,7 @@ import numpy as np
 
 from sar_planner.parameters import CornerParameters
 from sar_sim.kept import Kept
-from sar_sim.pool import add_work_options, in_parallel
+from sar_sim.pool import Workers, add_keep_option, add_work_options, in_parallel
 from sar_sim.rejoin_trials import PHASES, Trial, fly, prepare
 
 
@@ -37,15 +37,17 @@ def main(argv: list[str] | None = None) -> int:
     """Fly them and print the table; 2 on bad input."""
     parser = argparse.ArgumentParser(prog="rejoin_trials", description=__doc__)
     add_work_options(parser, seeds=("starts", 200))
+    add_keep_option(parser)
     args = parser.parse_args(argv)
     seeds = range(args.first_seed, args.first_seed + args.starts)
-    prepare()  # before the processes are forked
     try:
         kept = Kept(args.keep, {"work": "rejoin_trials"})
-    except ValueError as error:
+        prepare()  # before the processes are forked
+        with Workers(args.jobs, args.scheduler) as workers:
+            trials = in_parallel(fly, seeds, workers, kind=Trial, kept=kept)
+    except (OSError, ValueError) as error:
         sys.stderr.write(f"rejoin_trials: {error}\n")
         return 2
-    trials = in_parallel(fly, seeds, args.jobs, kind=Trial, kept=kept)
     sys.stdout.write(table(trials, CornerParameters().separation_m) + "\n")
     for trial in sorted(trials, key=lambda trial: trial.closest_m)[:3]:
         sys.stdout.write(f"nearest: seed {trial.seed}, {trial.phase}, {trial.closest_m:.1f} m\n")

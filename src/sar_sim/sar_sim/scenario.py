@@ -377,19 +377,33 @@ def _build(kind: Any, value: object, prefix: str) -> Any:
         raise ScenarioError(f"{prefix}.{error}" if prefix else str(error)) from error
 
 
-def load_scenario(path: Path) -> Scenario:
-    """Read a scenario file. Raises ``ScenarioError`` in one line."""
+def read_document(path: Path) -> dict[str, Any]:
+    """Read a YAML file that holds a mapping, or nothing. Raises ``ScenarioError`` in one line."""
     try:
         loaded = yaml.safe_load(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise ScenarioError(f"{path}: {error.strerror}") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{path}: not YAML: {' '.join(str(error).split())}") from error
+    document = {} if loaded is None else loaded
+    if not isinstance(document, dict):
+        raise ScenarioError(f"{path}: {document!r}: expected a mapping")
+    return document
+
+
+def scenario_of(document: dict[str, Any]) -> Scenario:
+    """Return the scenario that a document describes. Raises ``ScenarioError`` naming the key."""
+    scenario: Scenario = _build(Scenario, document, "")
+    return scenario
+
+
+def load_scenario(path: Path) -> Scenario:
+    """Read a scenario file. Raises ``ScenarioError`` in one line."""
+    document = read_document(path)
     try:
-        scenario: Scenario = _build(Scenario, {} if loaded is None else loaded, "")
+        return scenario_of(document)
     except ValueError as error:
         raise ScenarioError(f"{path}: {error}") from error
-    return scenario
 
 
 def scenario_document(scenario: Scenario) -> dict[str, Any]:
