@@ -102,6 +102,51 @@ def test_corner_is_planned_committed_corrected_and_left():
     assert corrected.mode == "D4"
 
 
+def corrected_plan():
+    """Return a planner that has just corrected its path, and when."""
+    plan = on_leg(0.0)
+    plan.update(100.0)
+    plan.set_phase(Phase.DECELERATING)
+    plan.set_uav(Motion(104.0, 80.0, -250.0, 20.0, 0.0))
+    plan.set_helicopter(Motion(104.0, 60.0, 0.0, 10.0, 0.0))
+    plan.set_corner(corner(100.0))
+    plan.update(104.0)
+    path = plan.active.path
+    for tenth in range(1, 200):
+        now = 104.0 + 0.1 * tenth
+        fly(plan, path.pose_at(20.0 * (now - 100.0 - min(1.5, 0.0375 * tenth))), now)
+        if plan.corrections > 0:
+            return plan, now
+    raise AssertionError("never corrected")
+
+
+def fly(plan, pose, now):
+    vx, vy = 20.0 * math.cos(pose.heading_rad), 20.0 * math.sin(pose.heading_rad)
+    plan.set_uav(Motion(now, pose.x_m, pose.y_m, vx, vy))
+    plan.set_helicopter(Motion(now, 80.0, 0.0, 0.0, 0.0))
+    return plan.update(now)
+
+
+def test_on_its_way_over_to_a_corrected_path_the_uav_may_be_beside_it():
+    plan, begun = corrected_plan()
+    approach = plan._pilot.approach
+    corrected = []
+    for tenth in range(1, 60):
+        now = begun + 0.1 * tenth
+        there = approach.path.pose_at(approach.flown_m + 2.0 * tenth).offset(0.0, 25.0)
+        fly(plan, approach.frame.pose_to_map(there), now)
+        if plan.corrections > 1:
+            corrected.append(now - begun)
+            break
+    assert corrected == pytest.approx([MissionParameters().settling_s], abs=0.15)
+
+
+def test_a_clock_set_back_ends_the_settling():
+    plan, _ = corrected_plan()
+    plan.set_clock_back()
+    assert plan._pilot._corrected_s == -math.inf
+
+
 def test_new_leg_another_way_is_approached_too():
     """The pilot turned left instead of right: the slot is on the other side."""
     plan = on_leg(0.0)

@@ -77,6 +77,7 @@ class DeadbeatPilot:
         self._done_corner = 0
         self._retry_s = -math.inf
         self._followed_s = -math.inf
+        self._corrected_s = -math.inf
 
     # Engagement --------------------------------------------------------------------------------
 
@@ -128,7 +129,7 @@ class DeadbeatPilot:
         """Forget the path being flown."""
         self.active = self.approach = None
         self._planned = None
-        self._retry_s = -math.inf
+        self._retry_s = self._corrected_s = -math.inf
         self._done_corner = self._s.corners_seen
         self.lists.forget()
 
@@ -398,8 +399,9 @@ class DeadbeatPilot:
         lag = final_lag_m(rest, expected[0], start_s=now_s, speed_mps=speed)
         tolerance = self._mission.lag_tolerance_m if self.active is not None else TIMING_M
         tolerance = max(tolerance, self._mission.far_tolerance * rest.length_m)
-        fits = abs(lag) < tolerance and not moved and off_m < OFF_PATH_M
-        margin = MARGIN_SHARE * self._mission.separation_margin_m
+        settling = now_s - self._corrected_s < self._mission.settling_s
+        fits = abs(lag) < tolerance and not moved and (settling or off_m < OFF_PATH_M)
+        margin = 0.0 if settling else MARGIN_SHARE * self._mission.separation_margin_m
         apart_m = least_apart_m(rest, expected, start_s=now_s, speed_mps=speed)
         if fits and apart_m >= self._corner.separation_m + margin:
             return None
@@ -463,6 +465,7 @@ class DeadbeatPilot:
         if off_m < OFF_PATH_M and abs(lag) > held_lag_m + self._corner.spacing_m:
             return None
         self.corrections += 1
+        self._corrected_s = now_s
         whole = frame.path_from_map(approach.frame.path_to_map(kept)).then(path)
         self._begin(
             Approach(

@@ -30,10 +30,11 @@ class MissionParameters:
     speed_trim: share of V by which the UAV may be asked to fly faster or slower (deadbeat rules).
     trim_gain: speed asked for per metre of lag [1/s]. lag_tolerance_m: predicted lag at the end of
     a path that is worth a correction, and far_tolerance: at least this share of what is left of it.
-    correction_s: least time between two corrections. ahead_m: how far ahead of its slot the UAV may
-    be on a leg before it is led back to it. separation_margin_m: planned beyond the least
-    separation where that costs nothing. bias_gain: share of the newest corner's extra path in what
-    is expected of the next.
+    correction_s: least time between two corrections; settling_s: for how long after one the UAV may
+    be beside its new path, and nearer than the margin to the helicopter, without another. ahead_m:
+    how far ahead of its slot the UAV may be on a leg before it is led back to it.
+    separation_margin_m: planned beyond the least separation where that costs nothing. bias_gain:
+    share of the newest corner's extra path in what is expected of the next.
     """
 
     turn_side: int = 1
@@ -56,6 +57,7 @@ class MissionParameters:
     lag_tolerance_m: float = 8.0
     far_tolerance: float = 0.03
     correction_s: float = 2.0
+    settling_s: float = 4.0
     ahead_m: float = 60.0
     separation_margin_m: float = 25.0
     bias_gain: float = 0.5
@@ -73,6 +75,7 @@ class MissionParameters:
             "speed_lead_s",
             "far_tolerance",
             "correction_s",
+            "settling_s",
         ):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ParameterError(f"{name} = {getattr(self, name)}: expected 0 or more")
