@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Second command: sets up, builds, checks and tests. Options go to pytest.
+# Second command: sets up, builds, checks and tests. Options go to pytest, in one process.
 set -eu
 cd "$(dirname "$(readlink -f "$0")")"
 ./launch.sh --setup
@@ -18,4 +18,7 @@ export OPENBLAS_NUM_THREADS=1
 ruff check src test
 ruff format --check src test
 mypy
-exec python -m pytest "$@"
+[ $# -eq 0 ] || exec python -m pytest "$@"
+# What computes, on all cores; then what measures real processes, with the machine to itself.
+python -m pytest -m "not graph" --numprocesses auto --dist loadfile
+exec python -m pytest -m graph

@@ -142,6 +142,7 @@ def test_a_planner_that_hangs_stops_the_heartbeats_until_it_is_started_again(lau
         lists = len(vehicle.autopilot.items)
         assert lists > 0
         await_true(lambda: "engaged" in operator(flight, "engage")[1])  # it is led again: no harm
+        time.sleep(3.0)  # until it has been told, and recorded
         assert vehicle.autopilot.mode is FlightMode.AUTO
     finally:
         vehicle.running = False
