@@ -65,3 +65,10 @@ def test_no_escape_is_better_than_the_bound():
         straight = min(math.hypot(20.0 * t - x, y) for t in np.arange(0.0, 99.0, 0.25))
         assert bound >= straight - 1e-6
         assert bound <= math.hypot(x, y) + 1e-6
+
+
+def test_what_happens_before_the_first_list_is_flown_is_not_the_monitors():
+    """All lists were refused until the aircraft were so near that no escape keeps 100 m."""
+    flown = fly_encounter(639)
+    assert flown.refused > 10
+    assert not flown.escapable

@@ -224,6 +224,11 @@ class SeparationMonitor:
         self.refused_s = 0.0
 
     @property
+    def guarding(self) -> bool:
+        """Whether a list is flown: a UAV that is not led is not sent away either."""
+        return self._flown is not None
+
+    @property
     def unseen(self) -> bool:
         """Whether one of the aircraft was never seen yet."""
         return self.uav is None or self.helicopter.motion is None

@@ -41,7 +41,8 @@ class Encounter:
 
     ``gated``: whether lists had to pass the gate. ``bound_m``: the greatest least distance that any
     flyable escape would have kept from the beginning of the misbehaviour on, the helicopter's
-    motion known.
+    motion known; from the first list that was flown on, where that came later, and 0 where none
+    came. ``closest_s`` counts from the misbehaviour's beginning.
     """
 
     seed: int
@@ -237,7 +238,7 @@ def fly_encounter(seed: int) -> Encounter:
             points = planner.points(now, uav)
             if points is not None:
                 flight.offer(points)
-        if now < begins_s:
+        if now < begins_s or not flight.monitor.guarding:
             continue
         if bound == 0.0:
             bound = escape_bound_m(uav, helicopter.motion, now)
