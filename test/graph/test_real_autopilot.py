@@ -31,12 +31,12 @@ ROOT = Path(__file__).parents[2]
 class Vehicle(threading.Thread):
     """An airborne autopilot in this process, on the bridge's UDP port, at a clock of its own."""
 
-    def __init__(self, port, speed=1.0):
+    def __init__(self, port, speed=1.0, north_m=-500.0):
         super().__init__(daemon=True)
         self.speed = speed
         scenario = Scenario()
         self.autopilot = SimAutopilot(
-            Pose(250.0, -500.0, 1.5708),
+            Pose(250.0, north_m, 1.5708),
             speed_mps=20.0,
             datum=Datum(scenario.datum.latitude_deg, scenario.datum.longitude_deg),
         )
@@ -159,24 +159,38 @@ CROSSING = """
 import time
 import numpy as np
 import rclpy
-from nav_msgs.msg import Path
+from nav_msgs.msg import Odometry, Path
 from sar_estimator import topics
-from sar_estimator.messages import points_to_path
-from sar_estimator.node_support import LATCHED
+from sar_estimator.messages import odometry_to_motion, points_to_path
+from sar_estimator.node_support import LATCHED, RELIABLE
 rclpy.init()
 node = rclpy.create_node("stranger")
 sender = node.create_publisher(Path, topics.WAYPOINTS, LATCHED)
+seen = {}
+for topic in (topics.HELICOPTER_ODOMETRY, topics.UAV_ODOMETRY):
+    take = lambda message, topic=topic: seen.update({topic: odometry_to_motion(message)})
+    node.create_subscription(Odometry, topic, take, RELIABLE)
 deadline = time.monotonic() + 10.0
-while sender.get_subscription_count() < 2 and time.monotonic() < deadline:
-    time.sleep(0.1)  # the monitor and the recorder
-sender.publish(points_to_path(np.array([[0.0, 300.0], [-50.0, 3000.0]]), 777.0))
+while time.monotonic() < deadline:  # the monitor and the recorder, and both aircraft
+    rclpy.spin_once(node, timeout_sec=0.1)
+    if sender.get_subscription_count() >= 2 and len(seen) == 2:
+        break
+helicopter, uav = seen[topics.HELICOPTER_ODOMETRY], seen[topics.UAV_ODOMETRY]
+times = np.arange(5.0, 50.0, 0.5)
+there = np.array((helicopter.x_m, helicopter.y_m)) + times[:, None] * np.array(
+    (helicopter.vx_mps, helicopter.vy_mps)
+)
+way = np.hypot(*(there - (uav.x_m, uav.y_m)).T)
+meeting = int(np.abs(way - uav.speed_mps * times).argmin())
+beyond = there[meeting] + 100.0 * (there[-1] - there[0]) / np.hypot(*(there[-1] - there[0]))
+sender.publish(points_to_path(np.array([there[meeting], beyond]), 777.0))
 time.sleep(1.0)
 """
 
 
-def test_a_list_along_the_helicopters_own_track_does_not_reach_the_autopilot(launch):
+def test_a_list_into_the_helicopters_way_does_not_reach_the_autopilot(launch):
     port = free_port()
-    vehicle = Vehicle(port)
+    vehicle = Vehicle(port, north_m=200.0)  # ahead of the helicopter: it can get in its way
     flight = launch("--autopilot", f"udp:127.0.0.1:{port}")
     vehicle.start()
     try:
