@@ -69,13 +69,19 @@ def test_off_the_slot_it_is_led_back(where):
     assert 18.0 - 1e-9 <= plan.speed_mps <= 22.0 + 1e-9
 
 
-def test_corner_is_planned_committed_corrected_and_left():
+def at_a_corner():
+    """A planner whose helicopter has been slowing for a corner since t = 100 s."""
     plan = on_leg(0.0)
     plan.update(100.0)
     plan.set_phase(Phase.DECELERATING)
     plan.set_uav(Motion(104.0, 80.0, -250.0, 20.0, 0.0))
     plan.set_helicopter(Motion(104.0, 60.0, 0.0, 10.0, 0.0))
     plan.set_corner(corner(100.0))
+    return plan
+
+
+def test_corner_is_planned_committed_corrected_and_left():
+    plan = at_a_corner()
     listed = plan.update(104.0)
     assert listed.mode == "D4"
     assert plan.active.plan.lag_m == pytest.approx(0.0, abs=1e-6)
@@ -104,12 +110,7 @@ def test_corner_is_planned_committed_corrected_and_left():
 
 def corrected_plan():
     """Return a planner that has just corrected its path, and when."""
-    plan = on_leg(0.0)
-    plan.update(100.0)
-    plan.set_phase(Phase.DECELERATING)
-    plan.set_uav(Motion(104.0, 80.0, -250.0, 20.0, 0.0))
-    plan.set_helicopter(Motion(104.0, 60.0, 0.0, 10.0, 0.0))
-    plan.set_corner(corner(100.0))
+    plan = at_a_corner()
     plan.update(104.0)
     path = plan.active.path
     for tenth in range(1, 200):

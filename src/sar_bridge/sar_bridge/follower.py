@@ -63,11 +63,6 @@ class FollowerTuning:
         sound = found.period_s > 0.0 and found.damping > 0.0 and 0.0 < found.roll_limit_deg < 90.0
         return found if sound and math.isfinite(found.loiter_radius_m) else usual
 
-    def fastest_turn_radps(self, speed_mps: float) -> float:
-        """Return the turn rate that the roll limit allows."""
-        pull = self.turn_share * G_MPS2 * math.tan(math.radians(self.roll_limit_deg))
-        return pull / speed_mps
-
 
 def places(points: FloatArray) -> list[Point]:
     """Return the rows of an array of points, shape (n, 2) [m]."""
@@ -188,11 +183,12 @@ class Flown:
         self.x_m, self.y_m = uav.x_m, uav.y_m
         self.speed_mps = max(uav.speed_mps, LEAST_SPEED_MPS)
         self._course, self._rate, self._step_s = uav.course_rad, 0.0, step_s
-        self._tuning = tuning
+        self._loiter_m = abs(tuning.loiter_radius_m)
+        self._loiter_side = -1.0 if tuning.loiter_radius_m > 0.0 else 1.0
         self._lag_share = -math.expm1(-step_s / max(tuning.roll_lag_s, 1e-3))
         self._l1_s = tuning.damping * tuning.period_s / math.pi
         self._gain = 4.0 * tuning.damping**2 * tuning.turn_share / self._l1_s
-        self._pull = tuning.fastest_turn_radps(1.0)
+        self._pull_mps2 = tuning.turn_share * G_MPS2 * math.tan(math.radians(tuning.roll_limit_deg))
         self._cruise_mps = self.speed_mps if cruise_mps is None else cruise_mps
         self._change = ACCEL_MPS2 * step_s
 
@@ -203,8 +199,12 @@ class Flown:
 
     def around(self, centre: Point) -> None:
         """Fly a step onto and along the loiter circle about a point."""
-        here = (self.x_m, self.y_m)
-        self._turn(_around(centre, here, self._course, self.speed_mps, self._tuning))
+        radius, side = self._loiter_m, self._loiter_side
+        out_x, out_y = self.x_m - centre[0], self.y_m - centre[1]
+        away = math.hypot(out_x, out_y)
+        wanted = math.atan2(out_y, out_x) + side * (HALF_PI + math.atan((away - radius) / radius))
+        turned = wrap_angle(wanted - self._course)
+        self._turn(side * self.speed_mps / radius + self.speed_mps / radius * turned)
 
     def straight_on(self) -> None:
         """Fly a step without a demand."""
@@ -212,7 +212,7 @@ class Flown:
 
     def _turn(self, wanted: float) -> None:
         speed, rate, change = self.speed_mps, self._rate, self._change
-        limit = self._pull / speed
+        limit = self._pull_mps2 / speed
         wanted = limit if wanted > limit else max(wanted, -limit)
         rate += self._lag_share * (wanted - rate)
         course = self._course + rate * self._step_s
@@ -252,20 +252,3 @@ def follow(
             flown.around(centre)
         out.append((flown.x_m, flown.y_m))
     return np.array(out)
-
-
-def _around(
-    centre: Point,
-    here: Point,
-    course: float,
-    speed: float,
-    tuning: FollowerTuning,
-) -> float:
-    """Return the turn rate onto and along a loiter circle [rad/s]."""
-    radius = abs(tuning.loiter_radius_m)
-    side = -1.0 if tuning.loiter_radius_m > 0.0 else 1.0
-    out_x, out_y = here[0] - centre[0], here[1] - centre[1]
-    away = math.hypot(out_x, out_y)
-    wanted = math.atan2(out_y, out_x) + side * (0.5 * math.pi + math.atan((away - radius) / radius))
-    turned = wrap_angle(wanted - course)
-    return side * speed / radius + speed / radius * turned

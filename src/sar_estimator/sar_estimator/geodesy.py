@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pymap3d
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from sar_estimator.states import FloatArray
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sar_estimator.plane import Pose
-from sar_planner.geometry import Arc, FlightPath, FloatArray, Straight
+from sar_planner.geometry import Arc, FlightPath, FloatArray, Straight, places_after
 
 TWO_PI = 2.0 * math.pi
 COLUMNS = 7
@@ -105,14 +105,9 @@ class PathBatch:
         begins[:, 1:] = ends
         curvature = np.zeros_like(x)
         curvature[:, TURNS] = np.sign(self.rows[:, TURNS]) / self.radius_m
-        over = flown - begins.take(at)
-        half_turn = 0.5 * curvature.take(at) * over
-        chord = over * np.sinc(half_turn / math.pi)
-        course = heading.take(at) + half_turn
-        points = np.empty((*flown.shape, 2))
-        points[:, :, 0] = x.take(at) + chord * np.cos(course)
-        points[:, :, 1] = y.take(at) + chord * np.sin(course)
-        return points
+        return places_after(
+            x.take(at), y.take(at), heading.take(at), curvature.take(at), flown - begins.take(at)
+        )
 
     def path(self, index: int) -> FlightPath:
         """Return one path."""

@@ -19,7 +19,7 @@ from sar_planner.approach import Approach, Recapture, final_lag_m, row_of, total
 from sar_planner.deadbeat import CONVERGED_M, DeadbeatRules
 from sar_planner.forecast import Forecast
 from sar_planner.geometry import CornerFrame, FlightPath, FloatArray
-from sar_planner.lists import Listed, WaypointLists
+from sar_planner.lists import Listed
 from sar_planner.mission_parameters import (
     ActiveCorner,
     MissionParameters,
@@ -28,6 +28,7 @@ from sar_planner.mission_parameters import (
     unusable,
 )
 from sar_planner.parameters import CornerParameters
+from sar_planner.pilot import Pilot
 from sar_planner.rejoin import RejoinPlan, RejoinTask, rejoin
 from sar_planner.rules import CornerPlan, NoPathError, Rule
 from sar_planner.separation import least_apart_m
@@ -51,25 +52,16 @@ DETECTION_S = 4.0
 RETRY_S = 2.0
 
 
-class DeadbeatPilot:
+class DeadbeatPilot(Pilot):
     """Slot track with speed trim on legs, approaches everywhere else."""
 
     def __init__(
         self, situation: Situation, corner: CornerParameters, mission: MissionParameters
     ) -> None:
         """Begin on a leg."""
-        self._s = situation
-        self._corner = corner
-        self._mission = mission
-        self.lists = WaypointLists(corner, mission)
+        super().__init__(situation, corner, mission)
         self.good = MadeGood(mission.bias_gain)
-        self.active: ActiveCorner | None = None
         self.approach: Approach | None = None
-        self.problem = ""
-        self.speed_mps: float | None = None
-        self.slot: Pose | None = None
-        self.corrections = 0
-        self.kept_lag_m = 0.0
         self._unsafe = ""
         self._corner_note = ""
         self._holding = False

@@ -13,9 +13,10 @@ import numpy as np
 
 from sar_estimator.plane import Pose
 from sar_estimator.states import LegEstimate
-from sar_planner.lists import LOITER_AHEAD_M, Listed, WaypointLists
-from sar_planner.mission_parameters import ActiveCorner, MissionParameters, Mode
+from sar_planner.lists import LOITER_AHEAD_M, Listed
+from sar_planner.mission_parameters import MissionParameters, Mode
 from sar_planner.parameters import CornerParameters
+from sar_planner.pilot import Pilot
 from sar_planner.situation import Situation
 from sar_planner.speed_trim import trimmed_mps
 
@@ -24,25 +25,14 @@ AHEAD_S = 10.0
 STANDING_MPS = 3.0
 
 
-class FollowPilot:
+class FollowPilot(Pilot):
     """A new list of two waypoints every second: ahead of the slot point, and farther that way."""
-
-    corrections = 0
-    made_good = 1.0
-    kept_lag_m = 0.0
-    active: ActiveCorner | None = None
 
     def __init__(
         self, situation: Situation, corner: CornerParameters, mission: MissionParameters
     ) -> None:
         """Begin without a course: a helicopter that stands has none."""
-        self._s = situation
-        self._corner = corner
-        self._mission = mission
-        self.lists = WaypointLists(corner, mission)
-        self.problem = ""
-        self.speed_mps: float | None = None
-        self.slot: Pose | None = None
+        super().__init__(situation, corner, mission)
         self._due_s = -math.inf
         self._course_rad: float | None = None
 

@@ -98,6 +98,26 @@ class Arc:
 Segment = Straight | Arc
 
 
+def places_after(
+    x_m: FloatArray,
+    y_m: FloatArray,
+    heading_rad: FloatArray,
+    curvature: FloatArray,
+    distance_m: FloatArray,
+) -> FloatArray:
+    """Return positions, shape (..., 2) [m], after arcs of these curvatures, 0 for straights.
+
+    Every argument has the shape (...): where each arc begins, and how far along it.
+    """
+    half_turn = 0.5 * curvature * distance_m
+    chord = distance_m * np.sinc(half_turn / math.pi)
+    course = heading_rad + half_turn
+    out = np.empty((*distance_m.shape, 2))
+    out[..., 0] = x_m + chord * np.cos(course)
+    out[..., 1] = y_m + chord * np.sin(course)
+    return out
+
+
 @dataclass(frozen=True)
 class FlightPath:
     """Segments flown one after another from ``start``.
@@ -166,14 +186,7 @@ class FlightPath:
         distances = np.asarray(distances_m, dtype=np.float64)
         part = np.searchsorted(self._starts_m, distances, side="right")
         x, y, heading, curvature, begun = self._parts[:, part]
-        over = distances - begun
-        half_turn = 0.5 * curvature * over
-        chord = over * np.sinc(half_turn / math.pi)
-        course = heading + half_turn
-        out = np.empty((distances.size, 2))
-        out[:, 0] = x + chord * np.cos(course)
-        out[:, 1] = y + chord * np.sin(course)
-        return out
+        return places_after(x, y, heading, curvature, distances - begun)
 
     def pose_at(self, distance_m: float) -> Pose:
         """Return the pose at a path distance [m]; beyond the ends straight on."""

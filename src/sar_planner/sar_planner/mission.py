@@ -17,6 +17,7 @@ from sar_planner.geometry import FloatArray
 from sar_planner.mission_parameters import ActiveCorner, MissionParameters, Mode
 from sar_planner.paper_pilot import PaperPilot
 from sar_planner.parameters import CornerParameters
+from sar_planner.pilot import Pilot
 from sar_planner.rule_sets import check_planner
 from sar_planner.situation import Situation
 from sar_planner.vehicle import Vehicle
@@ -62,7 +63,6 @@ class WaypointList:
     points: FloatArray
 
 
-Pilot = DeadbeatPilot | PaperPilot | FollowPilot
 PILOTS: dict[str, type[Pilot]] = {
     "deadbeat": DeadbeatPilot,
     "paper": PaperPilot,

@@ -9,7 +9,7 @@ from sar_estimator.plane import Pose, wrap_angle
 from sar_estimator.states import CornerEstimate, LegEstimate, Phase
 from sar_planner.automaton import PaperAutomaton
 from sar_planner.geometry import CornerFrame
-from sar_planner.lists import Listed, WaypointLists
+from sar_planner.lists import Listed
 from sar_planner.mission_parameters import (
     ActiveCorner,
     MissionParameters,
@@ -18,6 +18,7 @@ from sar_planner.mission_parameters import (
     unusable,
 )
 from sar_planner.parameters import CornerParameters
+from sar_planner.pilot import Pilot
 from sar_planner.rules import CornerPlan
 from sar_planner.situation import Situation
 
@@ -26,30 +27,18 @@ ON_HEADING_RAD = math.radians(25.0)
 LATE_FACTOR = 1.5
 
 
-class PaperPilot:
+class PaperPilot(Pilot):
     """Slot track on legs, one of the paper's four rules at corners; nothing in between."""
-
-    speed_mps: float | None = None
-    course_rad = 0.0
-    corrections = 0
-    made_good = 1.0
-    kept_lag_m = 0.0
 
     def __init__(
         self, situation: Situation, corner: CornerParameters, mission: MissionParameters
     ) -> None:
         """Begin on a leg."""
-        self._s = situation
-        self._corner = corner
-        self._mission = mission
-        self.lists = WaypointLists(corner, mission)
-        self.active: ActiveCorner | None = None
-        self.problem = ""
+        super().__init__(situation, corner, mission)
         self._planned: CornerEstimate | None = None
         self._done_corner = 0
         self._leg_after_s = -math.inf
         self._problem_corner = 0
-        self.slot: Pose | None = None
 
     @property
     def mode(self) -> Mode:

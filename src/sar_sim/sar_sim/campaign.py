@@ -19,10 +19,11 @@ import numpy as np
 from sar_planner.rule_sets import PLANNERS
 from sar_sim.missions import Mission, fly, seeded
 from sar_sim.options import find_scenario
-from sar_sim.scenario import Scenario, ScenarioError, read_document, scenario_of
+from sar_sim.scenario import Scenario, ScenarioError, read_document, scenario_document, scenario_of
 
 SPECIAL = ("scenario", "rules", "redundancy", "tolerance_m", "watch_only")
 KEYS = ("name", *SPECIAL, "seeds", "lag_m", "from_corner", "vary")
+TOLERANCE_M = 15.0
 Document = dict[str, Any]
 
 
@@ -30,7 +31,7 @@ Document = dict[str, Any]
 class Combination:
     """One combination of what varies: ``labels`` by factor, and the scenario it is flown in.
 
-    ``tolerance_m``: on |L(k)|, infinite where none is expected. ``watch_only``: the monitor says
+    ``tolerance_m``: on |L(k)|. ``watch_only``: the monitor says
     what it sees and does nothing.
     """
 
@@ -93,7 +94,7 @@ def _campaign(document: Document, stem: str) -> Campaign:
         seeds,
         _lags(document.get("lag_m")),
         from_corner,
-        {**document, "scenarios": [repr(one.scenario) for one in combinations]},
+        {**document, "scenarios": [scenario_document(one.scenario) for one in combinations]},
     )
 
 
@@ -159,8 +160,8 @@ def _combination(labels: dict[str, str], part: Document) -> Combination:
     watch_only = special.get("watch_only", False)
     if not isinstance(watch_only, bool):
         raise ScenarioError(f"watch_only = {watch_only!r}: expected true or false")
-    tolerance = special.get("tolerance_m", math.inf)
-    if not (tolerance == math.inf or (_is_number(tolerance) and tolerance > 0.0)):
+    tolerance = special.get("tolerance_m", TOLERANCE_M)
+    if not (_is_number(tolerance) and tolerance > 0.0):
         raise ScenarioError(f"tolerance_m = {tolerance!r}: expected more than 0")
     if "redundancy" in special:
         scenario = _redundant(scenario, special["redundancy"])

@@ -16,18 +16,14 @@ from sar_sim.options import find_plan
 from sar_sim.pool import Workers, add_work_options, in_parallel
 
 
-def _fly(seed: int, campaign: Campaign, number: int) -> Mission:
-    return campaign.combinations[number].fly(seed, campaign.lag_m)
-
-
 def _fly_all(campaign: Campaign, args: argparse.Namespace) -> list[list[Mission]]:
     """Fly what is not kept yet, combination by combination."""
     seeds = range(args.first_seed, args.first_seed + (args.seeds or campaign.seeds))
     kept = Kept(args.out / "kept.jsonl", {"work": "campaign", "plan": campaign.document})
     flown = []
     with Workers(args.jobs, args.scheduler) as workers:
-        for number, one in enumerate(campaign.combinations):
-            work = partial(_fly, campaign=campaign, number=number)
+        for one in campaign.combinations:
+            work = partial(one.fly, lag_m=campaign.lag_m)
             flown.append(in_parallel(work, seeds, workers, kind=Mission, kept=kept, part=one.name))
             sys.stderr.write(f"{one.name}: {len(flown[-1])} missions\n")
     return flown

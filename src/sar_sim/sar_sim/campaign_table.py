@@ -70,7 +70,6 @@ class Summary:
     combination: Combination
     missions: tuple[Mission, ...]
     from_corner: int
-    tolerance_m: float
 
     @property
     def late_m(self) -> np.ndarray:
@@ -80,15 +79,15 @@ class Summary:
 
     def values(self) -> dict[str, Estimate]:
         """Return every figure by name, with its unit."""
-        missions, late = self.missions, self.late_m
-        corners = [corners_to_converge(m.lags_m, self.tolerance_m) for m in missions]
+        missions, late, tolerance_m = self.missions, self.late_m, self.combination.tolerance_m
+        corners = [corners_to_converge(m.lags_m, tolerance_m) for m in missions]
         apart = [m.separation_m for m in missions]
         extra = [float(np.nanmean(m.extra_m)) for m in missions if np.isfinite(m.extra_m).any()]
         return {
             "late_lag_median_m": Estimate(float(np.median(late))),
             "late_lag_p95_m": Estimate(float(np.percentile(late, 95))),
             "late_lag_max_m": Estimate(float(late.max())),
-            "late_corners_within_percent": share_of((late <= self.tolerance_m).tolist()),
+            "late_corners_within_percent": share_of((late <= tolerance_m).tolist()),
             "converged_percent": share_of([math.isfinite(count) for count in corners]),
             "corners_to_converge": mean_of(corners),
             "extra_path_m": mean_of(extra),
@@ -105,12 +104,7 @@ class Summary:
 def summaries(campaign: Campaign, missions: Sequence[Sequence[Mission]]) -> list[Summary]:
     """Return a campaign's summaries, of the missions of each combination."""
     return [
-        Summary(
-            one,
-            tuple(flown),
-            campaign.from_corner,
-            one.tolerance_m if math.isfinite(one.tolerance_m) else 15.0,
-        )
+        Summary(one, tuple(flown), campaign.from_corner)
         for one, flown in zip(campaign.combinations, missions, strict=True)
     ]
 
@@ -183,7 +177,7 @@ def line_of(one: Summary) -> str:
         f"{v['late_lag_p95_m'].value:8.1f}{v['late_lag_max_m'].value:8.1f}{within:8.1f}"
         f"{v['separation_least_m'].value:9.1f}{v['separation_m'].value:9.1f}"
         f"{v['coverage_percent'].text(2):>24s}{v['rate_km2_per_h'].value:7.2f}\n"
-        f"    within {one.tolerance_m:g} m for good: {good.text(1)} % of missions, "
+        f"    within {one.combination.tolerance_m:g} m for good: {good.text(1)} % of missions, "
         f"after {corners.text(1)} corners; extra path {extra.text(1)} m a corner\n"
         f"    {watched(one.missions)}" + (f"; said: {'; '.join(said)}" if said else "")
     )

@@ -24,30 +24,24 @@ def scenario_folder() -> Path:
 
 def find_scenario(name: str) -> Path:
     """Return the file of a scenario given as a path or as a name."""
-    given = Path(name)
-    if given.suffix in (".yaml", ".yml") or given.is_file():
-        if not given.is_file():
-            raise ScenarioError(f"--scenario {name}: no such file")
-        return given
-    path = scenario_folder() / f"{name}.yaml"
-    if not path.is_file():
-        known = ", ".join(sorted(item.stem for item in path.parent.glob("*.yaml")))
-        raise ScenarioError(f"--scenario {name}: expected a file or one of {known}")
-    return path
+    return _find(name, "scenarios", "--scenario ")
 
 
 def find_plan(name: str) -> Path:
     """Return the file of a campaign's plan given as a path or as a name in config/campaigns."""
+    return _find(name, "campaigns", "")
+
+
+def _find(name: str, kind: str, option: str) -> Path:
     given = Path(name)
     if given.suffix in (".yaml", ".yml") or given.is_file():
         if not given.is_file():
-            raise ScenarioError(f"{name}: no such file")
+            raise ScenarioError(f"{option}{name}: no such file")
         return given
-    folder = scenario_folder().parent / "campaigns"
-    path = folder / f"{name}.yaml"
+    path = scenario_folder().parent / kind / f"{name}.yaml"
     if not path.is_file():
-        known = ", ".join(sorted(item.stem for item in folder.glob("*.yaml")))
-        raise ScenarioError(f"{name}: expected a file or one of {known}")
+        known = ", ".join(sorted(item.stem for item in path.parent.glob("*.yaml")))
+        raise ScenarioError(f"{option}{name}: expected a file or one of {known}")
     return path
 
 
