@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sar_bridge.follower import FollowerTuning
 from sar_bridge.mission_banks import (
     BANK_ITEMS,
     BANK_STEP_ITEMS,
@@ -20,6 +21,7 @@ from sar_estimator.states import Motion
 DATUM = Datum(37.8, -122.8)
 LINE = np.column_stack((np.arange(100.0, 1000.0, 100.0), np.zeros(9)))
 HERE = Motion(0.0, 50.0, 0.0, 20.0, 0.0)
+TUNING = FollowerTuning()
 
 
 def begun(points=LINE):
@@ -39,20 +41,20 @@ def test_nothing_is_written_where_the_autopilot_flies_or_is_led_to():
     banks, _ = begun()
     first = banks.fill(LINE + np.array((0.0, 1.0)), DATUM, 1)
     assert first.start == 1 + BANK_ITEMS
-    assert isinstance(banks.join(1, HERE, within_s=1.0), Write)
+    assert isinstance(banks.join(1, HERE, within_s=1.0, tuning=TUNING), Write)
     second = banks.fill(LINE + np.array((0.0, 2.0)), DATUM, 1)
     assert second.start == 1 + 2 * BANK_ITEMS
-    banks.join(1, HERE, within_s=1.0)
+    banks.join(1, HERE, within_s=1.0, tuning=TUNING)
     third = banks.fill(LINE, DATUM, 1)
     assert third.start == 1 + BANK_ITEMS
-    banks.join(1, HERE, within_s=1.0)
+    banks.join(1, HERE, within_s=1.0, tuning=TUNING)
     assert banks.fill(LINE, DATUM, 1 + BANK_ITEMS).start == 1
 
 
 def test_new_list_is_joined_behind_the_waypoint_being_flown_to():
     banks, _ = begun()
     start = banks.fill(LINE + np.array((30.0, 3.0)), DATUM, 1).start
-    step = banks.join(1, HERE, within_s=1.0)
+    step = banks.join(1, HERE, within_s=1.0, tuning=TUNING)
     assert step.start == 2
     (jump,) = step.items
     assert jump.command == mavlink.MAV_CMD_DO_JUMP
@@ -63,7 +65,7 @@ def test_new_list_is_joined_behind_the_waypoint_being_flown_to():
 def test_a_waypoint_that_is_as_good_as_reached_is_not_counted_on():
     banks, _ = begun()
     start = banks.fill(LINE + np.array((30.0, 0.0)), DATUM, 1).start
-    step = banks.join(1, Motion(0.0, 95.0, 0.0, 20.0, 0.0), within_s=1.0)
+    step = banks.join(1, Motion(0.0, 95.0, 0.0, 20.0, 0.0), within_s=1.0, tuning=TUNING)
     assert step.start == 3
     assert step.items[0].params[0] == start + 1
 
@@ -71,13 +73,13 @@ def test_a_waypoint_that_is_as_good_as_reached_is_not_counted_on():
 def test_list_that_leads_elsewhere_is_made_current():
     banks, _ = begun()
     start = banks.fill(LINE + np.array((0.0, 40.0)), DATUM, 1).start
-    assert banks.join(1, HERE, within_s=1.0) == MakeCurrent(start)
+    assert banks.join(1, HERE, within_s=1.0, tuning=TUNING) == MakeCurrent(start)
 
 
 def test_jump_that_came_too_late_is_noticed():
     banks, _ = begun()
     start = banks.fill(LINE, DATUM, 1).start
-    assert banks.join(1, HERE, within_s=1.0).start == 2
+    assert banks.join(1, HERE, within_s=1.0, tuning=TUNING).start == 2
     assert banks.missed(1, HERE) is None
     assert banks.missed(start + 1, HERE) is None
     beyond = Motion(1.0, 150.0, 0.0, 20.0, 0.0)
@@ -89,14 +91,14 @@ def test_nothing_is_known_of_an_item_outside_the_lists():
     banks, _ = begun()
     banks.fill(LINE, DATUM, 0)
     for current in (0, len(LINE) + 1, BANK_ITEMS * BANKS + 50):
-        assert isinstance(banks.join(current, HERE, within_s=0.0), MakeCurrent)
+        assert isinstance(banks.join(current, HERE, within_s=0.0, tuning=TUNING), MakeCurrent)
 
 
 def test_a_list_that_comes_back_is_joined_where_it_first_passes():
     loop = np.vstack((LINE, LINE[::-1] + np.array((0.0, 5.0))))
     banks, _ = begun()
     start = banks.fill(loop, DATUM, 1).start
-    assert banks.join(1, HERE, within_s=0.0).items[0].params[0] == start + 1
+    assert banks.join(1, HERE, within_s=0.0, tuning=TUNING).items[0].params[0] == start + 1
 
 
 def row(count):
@@ -127,12 +129,12 @@ def test_a_list_longer_than_any_bank_is_a_mission_of_its_own():
 
 
 def test_a_point_whose_leg_would_be_over_is_not_entered():
-    """The list bends away beside the target: ArduPlane would turn back for its next point."""
+    """The list bends to the side on which the UAV passes: ArduPlane would turn back for it."""
     banks, _ = begun()
-    bend = np.array([[104.0, 0.0], [95.0, -13.0], [120.0, -60.0], [160.0, -140.0]])
+    bend = np.array([[204.0, 0.0], [206.0, -13.0], [230.0, -60.0], [270.0, -140.0]])
     begin = banks.fill(bend, DATUM, 2).start
-    # Flying from (100, 0) to (200, 0) would be too far on; from here to (100, 0) it is.
-    step = banks.join(1, Motion(0.0, 40.0, 0.0, 20.0, 0.0), within_s=1.0)
+    beside = Motion(0.0, 110.0, -20.0, 8.0, 0.0)
+    step = banks.join(2, beside, within_s=1.0, tuning=TUNING)
     assert isinstance(step, Write)
     assert step.items[0].params[0] == begin + 2
 
@@ -141,7 +143,7 @@ def test_a_list_that_turns_off_sharply_is_made_current():
     banks, _ = begun()
     aside = np.column_stack((np.full(9, 101.0), np.arange(0.0, 900.0, 100.0)))
     begin = banks.fill(aside, DATUM, 1).start
-    step = banks.join(1, Motion(0.0, 40.0, 0.0, 20.0, 0.0), within_s=1.0)
+    step = banks.join(1, Motion(0.0, 40.0, 0.0, 20.0, 0.0), within_s=1.0, tuning=TUNING)
     assert step == MakeCurrent(begin)
 
 
@@ -149,7 +151,7 @@ def test_a_leg_entered_by_a_jump_begins_where_it_was_entered_from():
     banks, _ = begun()
     turned = np.column_stack((np.arange(130.0, 1000.0, 100.0), np.linspace(0.0, 80.0, 9)))
     begin = banks.fill(turned, DATUM, 1).start
-    banks.join(1, HERE, within_s=1.0)
+    banks.join(1, HERE, within_s=1.0, tuning=TUNING)
     # 25 m to the left of the leg (100, 0) -> (130, 0): as far beside it the point is passed.
     banks.fill(turned + np.array((30.0, 0.0)), DATUM, begin)
     beside = banks._beside(begin, turned[0], np.array((90.0, 25.0)))
@@ -161,4 +163,4 @@ def test_a_list_that_bends_before_a_far_waypoint_is_not_joined_behind_it():
     banks, _ = begun(far)
     weave = np.array([[100.0, 0.0], [160.0, 20.0], [220.0, 40.0], [300.0, 15.0], [420.0, 0.0]])
     begin = banks.fill(np.vstack((weave, far[1:] + 50.0)), DATUM, 1).start
-    assert banks.join(1, HERE, within_s=1.0) == MakeCurrent(begin)
+    assert banks.join(1, HERE, within_s=1.0, tuning=TUNING) == MakeCurrent(begin)

@@ -30,8 +30,7 @@ NEAR_M = 25.0
 GAP_M = 10.0
 AHEAD_M = 10.0
 FARTHEST_M = 120.0
-ASIDE_M = 2.0
-MOST_ASIDE_M = 40.0
+ASIDE_M = 40.0
 SHARPEST = math.cos(math.radians(75.0))
 FOREVER = -1.0
 
@@ -167,28 +166,27 @@ class MissionBanks:
         uav: Motion,
         *,
         within_s: float,
-        tuning: FollowerTuning | None = None,
+        tuning: FollowerTuning,
     ) -> Write | MakeCurrent:
         """Return what leads over to the list written last, the UAV flying to item ``current``.
 
-        ``within_s``: how long it may take until a jump is in its place. ``tuning``: the lateral
-        guidance, None where it is not known.
+        ``within_s``: how long it may take until a jump is in its place. ``tuning``: the autopilot's
+        lateral guidance.
         """
         points = self._points[self._filled]
         begin = self._begin(self._filled)
         at = first_ahead(points, uav)
-        lead = self._lead(current, uav, within_s, ASIDE_M if tuning is None else MOST_ASIDE_M)
-        if tuning is not None:
-            wanted, flown_to = Track(points[at:], uav, tuning), self._point(current)
-            made = self._made
-            entered, apart_m = wanted.entry(
-                None if flown_to is None else _place(flown_to), tracked=made.next_tracked(current)
-            )
-            at += entered
-            if lead is not None:
-                legs = np.vstack((*lead.through, points[lead.joined :]))
-                if wanted.apart_m(legs, lead.begin, made.direct(current)) > apart_m + WORTH_M:
-                    lead = None
+        wanted, flown_to = Track(points[at:], uav, tuning), self._point(current)
+        made = self._made
+        entered, apart_m = wanted.entry(
+            None if flown_to is None else _place(flown_to), tracked=made.next_tracked(current)
+        )
+        at += entered
+        lead = self._lead(current, uav, within_s)
+        if lead is not None:
+            legs = np.vstack((*lead.through, points[lead.joined :]))
+            if wanted.apart_m(legs, lead.begin, made.direct(current)) > apart_m + WORTH_M:
+                lead = None
         if lead is None:
             self._led_to, self._jump_at, self._entered = self._filled, None, NOWHERE
             return self._make_current(begin + at, current)
@@ -196,12 +194,8 @@ class MissionBanks:
         self._entered = (begin + lead.joined, lead.through[-1])
         return Write(lead.kept + 1, (jump_to(begin + lead.joined),))
 
-    def _lead(self, current: int, uav: Motion, within_s: float, aside_m: float) -> _Lead | None:
-        """Return how a jump leads over to the list written last; None where it cannot.
-
-        ``aside_m``: how far beside the way to the waypoint being flown to the points may lie that
-        are left out.
-        """
+    def _lead(self, current: int, uav: Motion, within_s: float) -> _Lead | None:
+        """Return how a jump leads over to the list written last; None where it cannot."""
         points = self._points[self._filled]
         here = np.array((uav.x_m, uav.y_m))
         through: list[FloatArray] = []
@@ -215,7 +209,7 @@ class MissionBanks:
                 continue
             passing = target + self._beside(current, target, here)
             course = target - self._leg_begin(kept, here)
-            joined = _joined(np.vstack((here, points)), target, passing, course, aside_m)
+            joined = _joined(np.vstack((here, points)), target, passing, course)
             if joined is None:
                 return None
             return _Lead(kept, joined, through, _place(self._leg_begin(current, here)))
@@ -271,7 +265,6 @@ def _joined(
     target: FloatArray,
     passing: FloatArray,
     course: FloatArray,
-    aside_m: float,
 ) -> int | None:
     """Return which point of a list, behind the UAV's position in ``line``, comes after ``target``.
 
@@ -294,7 +287,7 @@ def _joined(
         leg += 1
     at = stations[leg] + share[leg] * lengths[leg]
     before = line[1:][stations[1:] < at]
-    if (np.abs((before - line[0]) @ _across(target - line[0])) > aside_m).any():
+    if (np.abs((before - line[0]) @ _across(target - line[0])) > ASIDE_M).any():
         return None
     legs = line[1:] - target
     left_m = ((line[1:] - passing) * legs).sum(axis=1) / np.maximum(np.hypot(*legs.T), 1e-9)

@@ -309,8 +309,8 @@ class AutopilotSession:
         motion = None if telemetry is None else telemetry.motion
         out: Messages = []
         if self._upload.partial and not self._joining and motion is not None:
-            current, told = self.state.current_item, self.parameters
-            tuning = FollowerTuning.read(told) if "NAVL1_PERIOD" in told else None
+            tuning = FollowerTuning.read(self.parameters)
+            current = self.state.current_item
             step = self._banks.join(current, motion, within_s=JOIN_S, tuning=tuning)
             if isinstance(step, Write):
                 self._joining = True

@@ -28,7 +28,7 @@ def load_list(
         return
     _put(autopilot, banks.fill(points, datum, autopilot.current, climb_m=climb_m))
     told = parameter_values(autopilot.uav)
-    tuning = FollowerTuning.read(told) if told else None
+    tuning = FollowerTuning.read(told)
     step = banks.join(autopilot.current, autopilot.motion, within_s=0.0, tuning=tuning)
     if isinstance(step, Write):
         _put(autopilot, step)
