@@ -13,7 +13,9 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from sar_estimator.constant_velocity import constant_velocity
 from sar_estimator.states import FloatArray
 
 ONSET_STEP_S = 0.25
@@ -25,7 +27,7 @@ MIN_TIME_SIGMA_S = 0.05
 
 @dataclass(frozen=True, slots=True)
 class TrackRows:
-    """Measurements projected on a leg, each array of shape (n,).
+    """Measurements projected on a leg, in order of time, each array of shape (n,).
 
     ``values``: along-track positions [m], or speeds [m/s] where ``is_speed``; ``sigmas``: their
     standard deviations.
@@ -34,7 +36,14 @@ class TrackRows:
     times_s: FloatArray
     values: FloatArray
     sigmas: FloatArray
-    is_speed: np.ndarray
+    is_speed: NDArray[np.bool_]
+
+    def since(self, time_s: float) -> TrackRows:
+        """Return the rows from the first that is not older on."""
+        begin = int(np.searchsorted(self.times_s, time_s))
+        return TrackRows(
+            self.times_s[begin:], self.values[begin:], self.sigmas[begin:], self.is_speed[begin:]
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,26 +173,25 @@ class _Design:
     def __init__(self, rows: TrackRows, speed_mps: float) -> None:
         self._rows, self._speed_mps = rows, speed_mps
         self._reference = float(rows.times_s[-1])
-        is_speed = rows.is_speed
-        columns = (
-            np.where(is_speed, 0.0, 1.0),
-            np.where(is_speed, 1.0, rows.times_s - self._reference),
+        self._q, self._r_inverse = constant_velocity(
+            rows.times_s - self._reference, rows.is_speed, rows.sigmas
         )
-        self._q, r = np.linalg.qr(np.column_stack(columns) / rows.sigmas[:, None])
-        self._y = rows.values / rows.sigmas
-        self._fit = self._q.T @ self._y
-        self._free = self._y - self._q @ self._fit
-        self._r_inverse = np.linalg.inv(r)
+        y = rows.values / rows.sigmas
+        self._fit = self._q.T @ y
+        self._free = y - self._q @ self._fit
 
     def posterior(
         self, onsets_s: FloatArray, accels_mps2: FloatArray, log_prior: FloatArray
     ) -> _Grid:
         """Weigh hypotheses, all arrays of shape (h,), by their likelihood ratio."""
-        shapes = deviations(self._rows, onsets_s, accels_mps2, self._speed_mps)
-        shapes /= self._rows.sigmas
-        shapes_q = shapes @ self._q
-        shapes_free = shapes - shapes_q @ self._q.T
-        log_ratio = shapes_free @ self._free - 0.5 * np.einsum("ij,ij->i", shapes_free, shapes_free)
+        # Before the first onset nothing deviates; what the regression takes up is off its residual.
+        late = self._rows.since(float(onsets_s.min()))
+        shapes = deviations(late, onsets_s, accels_mps2, self._speed_mps)
+        shapes /= late.sigmas
+        skipped = len(self._free) - len(late.sigmas)
+        shapes_q = shapes @ self._q[skipped:]
+        left = np.einsum("ij,ij->i", shapes, shapes) - np.einsum("ij,ij->i", shapes_q, shapes_q)
+        log_ratio = shapes @ self._free[skipped:] - 0.5 * left
         log_weights = log_ratio + log_prior
         peak = float(log_weights.max())
         weights = np.exp(log_weights - peak)

@@ -195,7 +195,13 @@ class HelicopterEstimator:
         floor = self.parameters.min_fix_sigma_m**2
         given = fix.covariance_m2
         if given is not None and np.all(np.isfinite(given)) and np.trace(given) > 0.0:
-            values, axes = np.linalg.eigh(0.5 * (given + given.T))
+            given = 0.5 * (given + given.T)
+            least = 0.5 * (given[0, 0] + given[1, 1]) - math.hypot(
+                0.5 * (given[0, 0] - given[1, 1]), given[0, 1]
+            )
+            if least >= floor:
+                return given
+            values, axes = np.linalg.eigh(given)
             return np.asarray((axes * np.maximum(values, floor)) @ axes.T)
         scale = self._noise_scale if self._noise_scale > NOISY_SCALE else 1.0
         return np.eye(2) * max(floor, scale * self.parameters.default_fix_sigma_m**2)

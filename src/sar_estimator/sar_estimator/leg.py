@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sar_estimator.constant_velocity import constant_velocity
 from sar_estimator.corner_detector import TrackRows
 from sar_estimator.plane import Pose
 from sar_estimator.states import FloatArray, LegEstimate
@@ -115,9 +116,7 @@ def fit_rows(rows: tuple[LegRow, ...]) -> tuple[LegFit, float]:
     times = np.array([row.time_s - reference for row in rows])
     sigmas = np.array([row.sigma for row in rows])
     xy = np.array([(row.x, row.y) for row in rows]) / sigmas[:, None]
-    design = np.column_stack((np.where(is_velocity, 0.0, 1.0), np.where(is_velocity, 1.0, times)))
-    q, r = np.linalg.qr(design / sigmas[:, None])
-    r_inverse = np.linalg.inv(r)
+    q, r_inverse = constant_velocity(times, is_velocity, sigmas)
     solution = r_inverse @ (q.T @ xy)
     residuals = xy - q @ (q.T @ xy)
     fit = LegFit(reference, solution[0], solution[1], r_inverse @ r_inverse.T, rows)

@@ -71,12 +71,14 @@ class PathBatch:
         n = len(self.rows)
         heading = np.empty((n, COLUMNS + 1))
         heading[:, 0] = self.start.heading_rad
-        turns = self.rows.copy()
-        turns[:, STRAIGHTS] = 0.0
-        np.cumsum(turns, axis=1, out=turns)
-        heading[:, 1:] = self.start.heading_rad + turns
-        half = 0.5 * (heading[:, 1:] + heading[:, :-1])
-        chord = self._parts_m * np.sinc((heading[:, 1:] - heading[:, :-1]) / TWO_PI)
+        half_turns = 0.5 * self.rows
+        half_turns[:, STRAIGHTS] = 0.0
+        np.cumsum(half_turns, axis=1, out=heading[:, 1:])
+        heading[:, 1:] *= 2.0
+        heading[:, 1:] += self.start.heading_rad
+        half = heading[:, :-1] + half_turns
+        chord = np.abs(self.rows)
+        chord[:, TURNS] = 2.0 * self.radius_m * np.sin(0.5 * chord[:, TURNS])
         x, y = np.empty((n, COLUMNS + 1)), np.empty((n, COLUMNS + 1))
         x[:, 0], y[:, 0] = self.start.x_m, self.start.y_m
         np.cumsum(chord * np.cos(half), axis=1, out=x[:, 1:])

@@ -18,12 +18,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sar_estimator.plane import Pose
-from sar_planner.captures import STRAIGHT_P, STRAIGHT_Q, STRAIGHT_Y, CaptureProblem, PathBatch
+from sar_planner.captures import (
+    STRAIGHT_P,
+    STRAIGHT_Q,
+    STRAIGHT_Y,
+    Arcs,
+    CaptureProblem,
+    PathBatch,
+)
 from sar_planner.geometry import CornerFrame, FloatArray
 from sar_planner.parameters import CornerParameters
 from sar_planner.rules import CornerPlan, NoPathError, Rule, next_lag_m
@@ -41,6 +49,8 @@ WEAVE_LAST_RAD = np.radians((36.0, 46.0, 56.0))
 WEAVES_RAD = np.stack(
     np.meshgrid(WEAVE_TURNS_RAD, WEAVE_SECOND_RAD, WEAVE_LAST_RAD, indexing="ij"), axis=-1
 ).reshape(-1, 3)
+# The left turn gamma leads on from where the others do, or there is none.
+WEAVES_RAD = WEAVES_RAD[WEAVES_RAD.sum(axis=1) >= HALF_PI]
 WEAVES_ABOUT_RAD = np.radians(
     np.stack(np.meshgrid((-5, 0, 5), (-7, 0, 7), (-5, 0, 5), indexing="ij"), axis=-1).reshape(-1, 3)
 )
@@ -53,6 +63,32 @@ MAX_STRAIGHT_SHARE = 2.6
 COMPARED = 5
 CHUNK = 32
 FINER = 16
+
+
+@lru_cache(maxsize=8)
+def _curve_arcs(heading_rad: float, radius_m: float, slow_factor: float) -> Arcs:
+    """Return the arcs of the adjustable curves; from where does not matter. Not to be changed."""
+    alpha, slope = (
+        grid.ravel() for grid in np.meshgrid(FIRST_TURNS_RAD, SLOPES_RAD, indexing="ij")
+    )
+    beta = slope - (HALF_PI - alpha)
+    forward = beta >= 0.0
+    problem = CaptureProblem(Pose(0.0, 0.0, heading_rad), radius_m, slow_factor)
+    return problem.arcs(-alpha[forward], beta[forward], -1)
+
+
+def _woven(problem: CaptureProblem, headings: FloatArray) -> tuple[CaptureProblem, Arcs]:
+    """Return the problem and the arcs of weaves of headings alpha, beta, delta [rad], (n, 3)."""
+    alpha, beta, delta = headings.T
+    woven = replace(problem, last_turn_rad=-delta)
+    return woven, woven.arcs(-alpha, -beta, 1)
+
+
+@lru_cache(maxsize=8)
+def _weave_arcs(heading_rad: float, radius_m: float, slow_factor: float) -> Arcs:
+    """Return the arcs of the grid of weaves; from where does not matter. Not to be changed."""
+    problem = CaptureProblem(Pose(0.0, 0.0, heading_rad), radius_m, slow_factor)
+    return _woven(problem, WEAVES_RAD)[1]
 
 
 def slot_frame(p: CornerParameters) -> CornerFrame:
@@ -81,12 +117,6 @@ class DeadbeatRules:
         self._made_good = made_good
         self._frame = slot_frame(parameters)
         self._slot_forecast = corner_forecast(parameters).in_frame(self._frame)
-        turn_1, slope = np.meshgrid(-FIRST_TURNS_RAD, SLOPES_RAD, indexing="ij")
-        first = HALF_PI + turn_1.ravel()
-        self._turn_1 = turn_1.ravel()
-        self._turn_2 = slope.ravel() - first
-        forward = self._turn_2 >= 0.0
-        self._turn_1, self._turn_2 = self._turn_1[forward], self._turn_2[forward]
 
     def problem(self, lag_m: float) -> CaptureProblem:
         """Return the problem in the slot's frame: the UAV at (-(s + L), -d) in the corner's."""
@@ -107,18 +137,21 @@ class DeadbeatRules:
         self, problem: CaptureProblem, lead_m: float, straights: tuple[int, int]
     ) -> PathBatch:
         """Return the adjustable curves with L(k+1) = 0, by these two straights."""
-        arcs = problem.arcs(self._turn_1, self._turn_2, -1)
+        arcs = _curve_arcs(problem.start.heading_rad, problem.radius_m, problem.slow_factor)
         batch = problem.solve(arcs, self._offset_m, straights=straights, lead_m=lead_m)
         return self._short(batch, lead_m)
 
     def weaves(self, problem: CaptureProblem, lead_m: float, headings: FloatArray) -> PathBatch:
         """Return the weaves with L(k+1) = 0 of headings alpha, beta, delta [rad], shape (n, 3)."""
-        alpha, beta, delta = headings.T
-        # The left turn gamma leads on from where the others do, or there is none.
-        possible = alpha + beta + delta >= HALF_PI
-        alpha, beta, delta = alpha[possible], beta[possible], delta[possible]
-        woven = replace(problem, last_turn_rad=-delta)
-        arcs = woven.arcs(-alpha, -beta, 1)
+        possible = headings[headings.sum(axis=1) >= HALF_PI]
+        return self._solved(*_woven(problem, possible), lead_m)
+
+    def _grid_of_weaves(self, problem: CaptureProblem, lead_m: float) -> PathBatch:
+        woven = replace(problem, last_turn_rad=-WEAVES_RAD[:, 2])
+        arcs = _weave_arcs(problem.start.heading_rad, problem.radius_m, problem.slow_factor)
+        return self._solved(woven, arcs, lead_m)
+
+    def _solved(self, woven: CaptureProblem, arcs: Arcs, lead_m: float) -> PathBatch:
         batches = [
             woven.solve(arcs, self._offset_m, straights=pair, lead_m=lead_m)
             for pair in ((STRAIGHT_Y, STRAIGHT_Q), (STRAIGHT_P, STRAIGHT_Y))
@@ -129,7 +162,7 @@ class DeadbeatRules:
         self, problem: CaptureProblem, lead_m: float, separation_m: float
     ) -> PathBatch | None:
         """Return the weave that leaves the least unseen: of a grid, then of one about the best."""
-        coarse = self.weaves(problem, lead_m, WEAVES_RAD)
+        coarse = self._grid_of_weaves(problem, lead_m)
         best, unseen = self._least_unseen(coarse, separation_m)
         if best is None or unseen < SEEN * self.parameters.spacing_m**2:
             return best
@@ -172,7 +205,7 @@ class DeadbeatRules:
 
     def curves(self, problem: CaptureProblem, lead_m: float) -> Candidates:
         """Return adjustable curves that begin to turn at once after the lead-in."""
-        arcs = problem.arcs(self._turn_1, self._turn_2, -1)
+        arcs = _curve_arcs(problem.start.heading_rad, problem.radius_m, problem.slow_factor)
         batch = problem.reach(arcs, lead_m=lead_m)
         return self._candidates(Rule.D2, problem, self._short(batch, lead_m))
 

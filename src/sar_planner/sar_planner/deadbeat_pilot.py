@@ -50,6 +50,7 @@ LATE_FACTOR = 2.5
 POOR_SHARE = 0.85
 DETECTION_S = 4.0
 RETRY_S = 2.0
+WATCH_S = 0.39
 
 
 class DeadbeatPilot(Pilot):
@@ -362,6 +363,8 @@ class DeadbeatPilot(Pilot):
     def _follow(self, now_s: float, forecasts: tuple[Forecast, ...]) -> Listed | None:
         """Watch the path being flown; solve again what is left of it when it no longer fits."""
         assert self.approach is not None
+        if self._followed_s <= now_s < self._followed_s + WATCH_S:
+            return None
         here = self._uav_in(self.approach.frame, now_s)
         moved_m = self.approach.speed_mps * (now_s - self._followed_s)
         approach = self.approach = self.approach.followed(here, moved_m)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from sar_estimator.plane import Pose, wrap_angle
 
 FloatArray = NDArray[np.float64]
+TINY_RAD = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,8 +111,9 @@ def places_after(
     Every argument has the shape (...): where each arc begins, and how far along it.
     """
     half_turn = 0.5 * curvature * distance_m
-    chord = distance_m * np.sinc(half_turn / math.pi)
     course = heading_rad + half_turn
+    half_turn[half_turn == 0.0] = TINY_RAD
+    chord = distance_m * np.sin(half_turn) / half_turn
     out = np.empty((*distance_m.shape, 2))
     out[..., 0] = x_m + chord * np.cos(course)
     out[..., 1] = y_m + chord * np.sin(course)

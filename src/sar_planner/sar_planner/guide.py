@@ -113,19 +113,22 @@ class Guide:
         the outside of the next leg, that one's line may lie behind by then: its target is left out.
         """
         begin = self.path.pose_at(from_m).offset(0.0, self.offset_at(from_m))
-        last = np.array((begin.x_m, begin.y_m))
-        way = self.path.points(np.arange(from_m, self.path.length_m + STEP_M, STEP_M))
+        last_x, last_y = begin.x_m, begin.y_m
+        stations = np.arange(from_m, self.path.length_m + STEP_M, STEP_M)
+        way = self.path.points(stations).tolist()
         kept: list[int] = []
         at = 0
-        for i, point in enumerate(points):
-            leg = point - last
-            left_m = ((point - way[at:]) @ leg) / max(float(np.hypot(*leg)), 1e-6)
-            if left_m[0] < AHEAD_M and i + 1 < len(points):
+        for i, (x, y) in enumerate(points.tolist()):
+            leg_x, leg_y = x - last_x, y - last_y
+            least = AHEAD_M * max(math.hypot(leg_x, leg_y), 1e-6)
+            ahead = (x - way[at][0]) * leg_x + (y - way[at][1]) * leg_y
+            if ahead < least and i + 1 < len(points):
                 continue
             kept.append(i)
-            passed = np.flatnonzero(left_m <= 0.0)
-            at += int(passed[0]) if passed.size else len(left_m) - 1
-            last = point
+            while ahead > 0.0 and at + 1 < len(way):
+                at += 1
+                ahead = (x - way[at][0]) * leg_x + (y - way[at][1]) * leg_y
+            last_x, last_y = x, y
         return kept
 
 

@@ -47,10 +47,11 @@ def thinned(points: FloatArray, gap_m: float) -> FloatArray:
     An autopilot that has just passed a point takes a target close behind it for one to turn back
     to. The last point stays.
     """
-    kept = [points[0]]
-    for i in range(1, len(points)):
-        if math.hypot(*(points[i] - kept[-1])) >= gap_m:
-            kept.append(points[i])
-        elif i == len(points) - 1:
-            kept[-1] = points[i]
+    first, *others = points.tolist()
+    kept = [first]
+    for point in others:
+        if math.dist(point, kept[-1]) >= gap_m:
+            kept.append(point)
+        elif point is others[-1]:
+            kept[-1] = point
     return np.array(kept)

@@ -236,10 +236,12 @@ class OfflineFlight:
 
     def _receive(self, reception: Reception) -> None:
         fix, velocity = reception.fix, reception.velocity
-        self._write(topics.FIX, fix_to_message(fix))
+        if self._bag is not None:
+            self._write(topics.FIX, fix_to_message(fix))
         if velocity is not None:
-            message = velocity_message(fix.time_s, velocity.vx_mps, velocity.vy_mps)
-            self._write(topics.VELOCITY, message)
+            if self._bag is not None:
+                message = velocity_message(fix.time_s, velocity.vx_mps, velocity.vy_mps)
+                self._write(topics.VELOCITY, message)
             self.estimator.add_velocity(
                 fix.time_s, velocity.vx_mps, velocity.vy_mps, velocity.sigma_mps
             )
