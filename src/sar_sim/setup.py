@@ -35,6 +35,7 @@ setup(
             "rejoin_trials = sar_sim.rejoin_trials_cli:main",
             "rules_figure = sar_sim.rules_figure_cli:main",
             "detection = sar_sim.detection_cli:main",
+            "replay = sar_sim.replay_cli:main",
             "report = sar_sim.report_cli:main",
             "faults = sar_sim.faults_cli:main",
             "fly = sar_sim.fly_cli:main",

@@ -9,9 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sar_estimator.parameters import EstimatorParameters
 from sar_sim.bag import open_bag, read_messages
 from sar_sim.offline import OfflineFlight
 from sar_sim.options import find_scenario
+from sar_sim.replay import Tolerance
+from sar_sim.replay_cli import replayed
 from sar_sim.scenario import load_scenario
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(180)]
@@ -65,6 +68,16 @@ def test_short_mission_end_to_end_agrees_with_the_offline_flight(launch):
     assert found["coverage_percent"] > 98.0  # two corners, both with their manoeuvres
     topics = {topic for topic, _, _ in read_messages(flight.out / "bag")}
     assert {"/clock", "/uav/state", "/uav/uploaded", "/markers", "/diagnostics"} <= topics
+    # What its estimator made of the fixes is what it makes of them without ROS.
+    found, events = replayed(
+        flight.out / "bag",
+        Tolerance(figures=1.0, time_s=0.3),
+        estimator=EstimatorParameters(),
+        velocity_sigma_mps=0.1,
+    )
+    legs = sum(topic == "/helicopter/leg" for topic, _, _ in events)
+    assert found.same["/helicopter/leg"] == legs > 100
+    assert found.same["/uav/cleared"] >= 5
 
 
 def test_arduplanes_guidance_is_led_around_corners_by_lists_in_banks(launch, tmp_path):

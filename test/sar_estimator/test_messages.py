@@ -25,6 +25,14 @@ def test_motion_round_trip(time_s, x, y, vx, vy, yaw):
     assert (back.vx_mps, back.vy_mps) == pytest.approx((vx, vy), abs=1e-9)
 
 
+@given(st.floats(0.0, 2e9), values, values, speeds, speeds, st.none() | st.floats(-7.0, 7.0))
+def test_a_motion_as_told_is_what_a_message_carries_to_the_last_bit(time_s, x, y, vx, vy, yaw):
+    motion = Motion(time_s, x, y, vx, vy, 1.0, 2.0)
+    message = m.motion_to_odometry(motion, child="uav", yaw_rad=yaw)
+    assert m.motion_as_told(motion, yaw) == m.odometry_to_motion(message)
+    assert m.stamped_s(time_s) == m.from_stamp(m.to_stamp(time_s))
+
+
 def test_velocity_covariance_is_turned_into_the_body():
     p = np.zeros((6, 6))
     p[1, 1], p[4, 4] = 4.0, 1.0

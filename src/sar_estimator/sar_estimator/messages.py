@@ -70,6 +70,12 @@ def from_stamp(stamp: Time) -> float:
     return float(stamp.sec) + stamp.nanosec * 1e-9
 
 
+def stamped_s(time_s: float) -> float:
+    """Return a time [s] as a stamp carries it: ``from_stamp(to_stamp(time_s))``."""
+    nanoseconds = round(time_s * 1e9)
+    return float(nanoseconds // 1_000_000_000) + (nanoseconds % 1_000_000_000) * 1e-9
+
+
 def to_quaternion(yaw_rad: float, pitch_rad: float = 0.0, roll_rad: float = 0.0) -> Quaternion:
     """Return yaw, pitch, roll [rad], applied in this order, as a quaternion."""
     cy, sy = math.cos(yaw_rad / 2), math.sin(yaw_rad / 2)
@@ -132,6 +138,27 @@ def odometry_to_motion(message: Odometry) -> Motion:
         message.pose.pose.position.y,
         twist.x * c - twist.y * s,
         twist.x * s + twist.y * c,
+    )
+
+
+def motion_as_told(motion: Motion, yaw_rad: float | None = None) -> Motion:
+    """Return a motion as odometry carries it, to the last bit, without making a message.
+
+    That is ``odometry_to_motion(motion_to_odometry(motion, yaw_rad=yaw_rad))``.
+    """
+    yaw = motion.course_rad if yaw_rad is None else yaw_rad
+    c, s = math.cos(yaw), math.sin(yaw)
+    ahead = motion.vx_mps * c + motion.vy_mps * s
+    aside = -motion.vx_mps * s + motion.vy_mps * c
+    w, z = math.cos(yaw / 2), math.sin(yaw / 2)
+    yaw = math.atan2(2.0 * (w * z), 1.0 - 2.0 * (z * z))
+    c, s = math.cos(yaw), math.sin(yaw)
+    return Motion(
+        stamped_s(motion.time_s),
+        motion.x_m,
+        motion.y_m,
+        ahead * c - aside * s,
+        ahead * s + aside * c,
     )
 
 

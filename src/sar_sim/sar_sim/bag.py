@@ -19,7 +19,14 @@ from rosbags.interfaces import (
     QosReliability,
     QosTime,
 )
-from rosbags.rosbag2 import ReaderError, StoragePlugin, Writer, WriterError
+from rosbags.rosbag2 import (
+    CompressionFormat,
+    CompressionMode,
+    ReaderError,
+    StoragePlugin,
+    Writer,
+    WriterError,
+)
 from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
@@ -63,10 +70,12 @@ def _qos(*, latched: bool) -> Qos:
 class BagWriter:
     """Writes serialised messages to a new bag folder."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *, compressed: bool = False) -> None:
         """Create the bag. Raises ``WriterError`` when the folder is there already."""
         self.folder = folder
         self._writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
+        if compressed:
+            self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
         self._writer.open()
         self._connections: dict[str, Connection] = {}
         self.messages = 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from rclpy.serialization import serialize_message
 
@@ -21,12 +21,19 @@ from sar_estimator import topics
 from sar_estimator.estimator import HelicopterEstimator
 from sar_estimator.fixes import Fix
 from sar_estimator.messages import (
+    corner_to_path,
     datum_message,
     fix_outputs,
     fix_to_message,
+    leg_to_odometry,
+    motion_as_told,
+    odometry_to_leg,
+    path_to_corner,
     points_to_path,
     prediction_outputs,
+    stamped_s,
     text_message,
+    vector_message,
     velocity_message,
 )
 from sar_estimator.parameters import EstimatorParameters
@@ -57,10 +64,12 @@ from sar_sim.world import World
 
 STEPS_PER_TICK = 2
 STEPS_PER_GUARD = 10
-TICKS_PER_STATUS = 10
+STEPS_PER_STATUS = 20
 JOINING_ITEMS = 2
 LATCHED = {
     topics.DATUM,
+    topics.UAV_STATE,
+    topics.AUTOPILOT,
     topics.WAYPOINTS,
     topics.CLEARED,
     topics.MONITOR,
@@ -131,6 +140,22 @@ class Progress:
     separation_m: float | None
 
 
+Told = TypeVar("Told")
+
+
+class _Carried(Generic[Told]):
+    """What a message carries of a value, worked out once for each value, not at every telling."""
+
+    def __init__(self, carry: Callable[[Told], Told]) -> None:
+        self._carry = carry
+        self._last: tuple[Told, Told] | None = None
+
+    def __call__(self, value: Told) -> Told:
+        if self._last is None or self._last[0] is not value:
+            self._last = value, self._carry(value)
+        return self._last[1]
+
+
 class OfflineFlight:
     """One mission.
 
@@ -165,6 +190,8 @@ class OfflineFlight:
         self.planner = MissionPlanner(scenario.corner, mission)
         self.monitor = make_monitor(scenario, watch_only=watch_only)
         self._told_monitor = ""
+        self._leg_as_told = _Carried(lambda leg: odometry_to_leg(leg_to_odometry(leg)))
+        self._corner_as_told = _Carried(lambda corner: path_to_corner(corner_to_path(corner)))
         self._banks = MissionBanks(altitude_m=scenario.sensor.altitude_m)
         self.planner.set_vehicle(Vehicle(parameter_values(scenario.uav)))
         self._newest: Cleared | None = None
@@ -176,8 +203,8 @@ class OfflineFlight:
 
     @property
     def now_s(self) -> float:
-        """The mission's clock [s]."""
-        return self.world.epoch_s + self.world.time_s
+        """The mission's clock [s], as stamps carry it."""
+        return stamped_s(self.world.epoch_s + self.world.time_s)
 
     def run(
         self,
@@ -189,11 +216,14 @@ class OfflineFlight:
         self._write(topics.DATUM, datum_message(self.world.datum, self.now_s))
         self._write(topics.MISSION, mission_message(self.planner))
         self._write(topics.SCENARIO, text_message(scenario_text(self.world.scenario)))
+        told = parameter_values(self.world.scenario.uav)
+        if told:
+            self._write(topics.AUTOPILOT, text_message(json.dumps(told)))
         while not self.world.finished:
             self._step()
             if observe is not None:
                 observe(self.world)
-            if progress is not None and self._steps % (STEPS_PER_TICK * TICKS_PER_STATUS) == 0:
+            if progress is not None and self._steps % STEPS_PER_STATUS == 0:
                 progress(self.progress())
 
     def progress(self) -> Progress:
@@ -224,13 +254,11 @@ class OfflineFlight:
             self._receive(reception)
         if self._truth is not None:
             self._truth.time_s = self.world.time_s
-            self._know(self._truth)
+        if self._truth is not None or receptions or self._steps % STEPS_PER_TICK == 0:
+            self._know(self._truth or self.estimator)
             self._plan()
-        elif receptions:
-            self._know(self.estimator)
-            self._plan()
-        if self._steps % STEPS_PER_TICK == 0:
-            self._tick()
+        if self._bag is not None and self._steps % STEPS_PER_STATUS == 0:
+            self._write_status()
         if self._steps % STEPS_PER_GUARD == 0:
             self._guard()
 
@@ -251,11 +279,12 @@ class OfflineFlight:
                 self._write(topic, output)
 
     def _know(self, source: HelicopterEstimator | TrueEstimates) -> None:
-        """Tell the planner what is known of leg, corner, phase and positions."""
+        """Tell the planner what is known of leg, corner, phase and positions, as messages do."""
         estimate = source.predict(self.now_s)
         if estimate is not None:
-            self.planner.set_helicopter(estimate.motion)
-        uav = self.world.autopilot.motion.stamped(self.now_s)
+            self.planner.set_helicopter(motion_as_told(estimate.motion))
+        autopilot = self.world.autopilot
+        uav = motion_as_told(autopilot.motion.stamped(self.now_s), autopilot.state.heading_rad)
         self.planner.set_uav(uav)
         self.monitor.set_uav(uav)
         self.planner.set_wind(self.world.autopilot.wind_estimate_mps)
@@ -263,35 +292,41 @@ class OfflineFlight:
         if phase != self._phase:
             self._phase = phase
             self._write(topics.PHASE, text_message(phase))
+        if self._bag is not None:
+            self._write_motions(source)
         self.planner.set_phase(phase)
         tell_monitor(self.monitor, estimate, phase, source.corner, source.leg)
         if source.leg is not None:
-            self.planner.set_leg(source.leg)
+            self.planner.set_leg(self._leg_as_told(source.leg))
         if source.corner is not None:
-            self.planner.set_corner(source.corner)
+            self.planner.set_corner(self._corner_as_told(source.corner))
 
-    def _tick(self) -> None:
-        source = self._truth or self.estimator
-        self._know(source)
-        if self._bag is not None:
-            self._write_motions(source)
-        self._plan()
-        if self._bag is not None and self._steps % (STEPS_PER_TICK * TICKS_PER_STATUS) == 0:
-            for topic, status in status_outputs(self.planner):
-                self._write(topic, status)
-            self._write(topics.DIAGNOSTICS, planner_diagnostics(self.planner, self.now_s))
+    def _write_status(self) -> None:
+        for topic, status in status_outputs(self.planner):
+            self._write(topic, status)
+        self._write(topics.DIAGNOSTICS, planner_diagnostics(self.planner, self.now_s))
 
     def _write_motions(self, source: HelicopterEstimator | TrueEstimates) -> None:
-        for topic, output in prediction_outputs(source, self.now_s):
-            self._write(topic, output)
+        """Write what planner and monitor know; the helicopter, for which they wait, last."""
+        wind = vector_message(self.now_s, *self.world.autopilot.wind_estimate_mps)
+        self._write(topics.WIND, wind)
         for topic, odometry in self.world.truth(self.now_s):
             self._write(topic, odometry)
             if topic == topics.TRUE_UAV:
                 self._write(topics.UAV_ODOMETRY, odometry)
+        for topic, output in prediction_outputs(source, self.now_s):
+            self._write(topic, output)
+
+    def _set_status(self) -> None:
+        """Tell the planner in which mode the autopilot is."""
+        status = UavStatus(self.world.autopilot.mode.name, armed=True, connected=True)
+        if status != self.planner.status:
+            self._write(topics.UAV_STATE, text_message(json.dumps(asdict(status))))
+        self.planner.set_status(status)
 
     def _plan(self) -> None:
         autopilot = self.world.autopilot
-        self.planner.set_status(UavStatus(autopilot.mode.name, armed=True, connected=True))
+        self._set_status()
         if self.planner.mode is Mode.IDLE:
             self.planner.engage(self.now_s)
         waypoints = self.planner.update(self.now_s)
@@ -344,6 +379,8 @@ class OfflineFlight:
     def _load(self, waypoints: Cleared) -> None:
         """Hand a list to the autopilot."""
         self.monitor.set_uploaded(waypoints.stamp_s)
+        stamp_s = stamped_s(waypoints.stamp_s)
+        self._write(topics.UPLOADED, text_message(json.dumps({"stamp_s": stamp_s})))
         load_list(
             self.world.autopilot,
             self._banks,
