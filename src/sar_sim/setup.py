@@ -33,6 +33,7 @@ setup(
             "campaign = sar_sim.campaign_cli:main",
             "monitor_trials = sar_sim.monitor_trials_cli:main",
             "rejoin_trials = sar_sim.rejoin_trials_cli:main",
+            "results = sar_sim.results_cli:main",
             "rules_figure = sar_sim.rules_figure_cli:main",
             "detection = sar_sim.detection_cli:main",
             "replay = sar_sim.replay_cli:main",

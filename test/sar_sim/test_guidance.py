@@ -10,8 +10,9 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from sar_bridge.mission_items import waypoint_items
 from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose
+from sar_estimator.states import Motion
 from sar_sim.autopilot import FlightMode, SimAutopilot
-from sar_sim.guidance import L1Guidance, L1Parameters, Leg
+from sar_sim.guidance import L1Guidance, L1Parameters, Leg, PathFollower
 from sar_sim.scenario import AUTOPILOTS, Uav, Wind
 
 DATUM = Datum(37.8, -122.8)
@@ -100,6 +101,20 @@ def test_a_leg_made_current_runs_from_the_old_target_and_the_next_heads_for_its_
     assert 80.0 < track[-1][1] < 150.0
     pilot.set_current(2)
     assert run(pilot, 80.0)[-1][1] == pytest.approx(200.0, abs=10.0)
+
+
+def test_an_ideal_follower_ends_a_turn_to_the_side_it_was_begun_to():
+    """Else a point straight behind, told every second a little aside, is never turned to."""
+    follower = PathFollower(min_radius_m=75.0, lookahead_m=25.0, roll_lag_s=0.0)
+    rates = []
+    for side in (1.0, -1.0, 1.0, -1.0):
+        leg = Leg((0.0, 0.0), (-300.0, 5.0 * side))
+        rates.append(follower.along(leg, Motion(0.0, 0.0, 0.0, 20.0, 0.0), 20.0))
+    assert rates == [pytest.approx(20.0 / 75.0)] * 4
+    ahead = Leg((0.0, 0.0), (300.0, 0.0))
+    assert follower.along(ahead, Motion(0.0, 0.0, 0.0, 20.0, 0.0), 20.0) == pytest.approx(0.0)
+    right = Leg((0.0, 0.0), (-300.0, -5.0))
+    assert follower.along(right, Motion(0.0, 0.0, 0.0, 20.0, 0.0), 20.0) < 0.0
 
 
 def test_jump_leads_on():

@@ -16,10 +16,10 @@ from sar_sim.options import find_plan
 from sar_sim.pool import Workers, add_work_options, in_parallel
 
 
-def _fly_all(campaign: Campaign, args: argparse.Namespace) -> list[list[Mission]]:
-    """Fly what is not kept yet, combination by combination."""
+def fly_campaign(campaign: Campaign, out: Path, args: argparse.Namespace) -> list[list[Mission]]:
+    """Fly what is not kept in ``out`` yet, combination by combination, as the options say."""
     seeds = range(args.first_seed, args.first_seed + (args.seeds or campaign.seeds))
-    kept = Kept(args.out / "kept.jsonl", {"work": "campaign", "plan": campaign.document})
+    kept = Kept(out / "kept.jsonl", {"work": "campaign", "plan": campaign.document})
     flown = []
     with Workers(args.jobs, args.scheduler) as workers:
         for one in campaign.combinations:
@@ -42,7 +42,7 @@ def main(argv: list[str] | None = None) -> int:
     try:
         campaign = load_campaign(find_plan(args.plan))
         args.out.mkdir(parents=True, exist_ok=True)
-        flown = _fly_all(campaign, args)
+        flown = fly_campaign(campaign, args.out, args)
     except (OSError, ValueError) as error:
         sys.stderr.write(f"campaign: {error}\n")
         return 2

@@ -172,6 +172,26 @@ def draw_lags(missions: list[tuple[float, ...]], title: str, path: Path) -> None
     figure.savefig(path, dpi=110)
 
 
+def draw_lag_grid(panels: list[list[tuple[str, list[tuple[float, ...]]]]], path: Path) -> None:
+    """Draw L(k) of many missions, a panel for each title: rows of panels share no scale."""
+    figure = Figure(figsize=(11.0, 9.0), layout="constrained")
+    axes = figure.subplots(len(panels), len(panels[0]), sharex=True, squeeze=False)
+    for row, panel_row in zip(axes, panels, strict=True):
+        for panel, (title, missions) in zip(row, panel_row, strict=True):
+            for lags in missions:
+                panel.plot(
+                    range(1, len(lags) + 1), lags, color=UAV, alpha=0.4, marker=".", linewidth=0.9
+                )
+            panel.axhline(0.0, color="black", linewidth=0.8)
+            panel.set_title(title, fontsize=10)
+            panel.grid(alpha=0.3)
+        row[0].set_ylabel("L(k) [m]")
+    for panel in axes[-1]:
+        panel.xaxis.set_major_locator(MaxNLocator(integer=True))
+        panel.set_xlabel("corner k")
+    figure.savefig(path, dpi=90)
+
+
 def draw_rules(series: dict[str, dict[str, FloatArray]], separation_m: float, path: Path) -> None:
     """Draw L(k+1) and the closest approach against L(k) for several rule sets, side by side.
 

@@ -105,6 +105,7 @@ class PathFollower:
     def __init__(self, *, min_radius_m: float, lookahead_m: float, roll_lag_s: float) -> None:
         """Turn no tighter than ``min_radius_m``; aim further ahead the more the roll lags."""
         self._radius_m, self._reach_m, self._lag_s = min_radius_m, lookahead_m, roll_lag_s
+        self._side = 0.0
 
     def leaves(self, leg: Leg, motion: Motion) -> bool:
         """Whether the target is behind."""
@@ -128,11 +129,17 @@ class PathFollower:
         return self._towards(point, motion)
 
     def _towards(self, point: Point, motion: Motion) -> float:
-        """Turn rate of the arc over ground through a point; behind, as tight as can be."""
+        """Turn rate of the arc over ground through a point; behind, as tight as can be.
+
+        A turn for what is behind is ended to the side it was begun to: points straight behind,
+        now a little to the left and now to the right, would be turned to for ever.
+        """
         dx, dy = point[0] - motion.x_m, point[1] - motion.y_m
         off = wrap_angle(math.atan2(dy, dx) - motion.course_rad)
         if abs(off) > HALF_TURN:
-            return math.copysign(motion.speed_mps / self._radius_m, off)
+            self._side = self._side or math.copysign(1.0, off)
+            return self._side * motion.speed_mps / self._radius_m
+        self._side = 0.0
         return 2.0 * motion.speed_mps * math.sin(off) / max(1.0, math.hypot(dx, dy))
 
 
