@@ -30,6 +30,7 @@ setup(
             "import_track = sar_sim.import_track:main",
             "tracking = sar_sim.tracking_cli:main",
             "upload_benchmark = sar_sim.radio_cli:main",
+            "bench = sar_sim.bench_cli:main",
             "campaign = sar_sim.campaign_cli:main",
             "monitor_trials = sar_sim.monitor_trials_cli:main",
             "rejoin_trials = sar_sim.rejoin_trials_cli:main",

@@ -92,7 +92,7 @@ def test_a_command_says_so_in_one_line(tmp_path, capsys):
     file.write_text("[]\n")
     assert rejoin_trials(["--keep", str(file), "--starts", "1"]) == 2
     assert capsys.readouterr().err == (
-        f"rejoin_trials: --keep {file}: of another work; expected the same, or no file\n"
+        f"rejoin_trials: {file}: of another work; expected the same, or no file\n"
     )
 
 

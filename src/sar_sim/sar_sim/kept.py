@@ -47,10 +47,10 @@ class Kept:
         try:
             found = json.loads(first)
         except json.JSONDecodeError:
-            raise ValueError(f"--keep {file}: expected a file of kept results") from None
+            raise ValueError(f"{file}: expected a file of kept results") from None
         wrong = [key for key in head if not isinstance(found, dict) or found.get(key) != head[key]]
         if wrong:
-            raise ValueError(f"--keep {file}: of another {wrong[0]}; expected the same, or no file")
+            raise ValueError(f"{file}: of another {wrong[0]}; expected the same, or no file")
         if not text.endswith("\n"):
             lines = lines[:-1]
             file.write_text("".join(f"{line}\n" for line in (first, *lines)), encoding="utf-8")

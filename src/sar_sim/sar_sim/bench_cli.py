@@ -1,0 +1,222 @@
+"""``bench``: what the software costs on this machine: estimator, replan, campaigns, the graph."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from filterpy.kalman import KalmanFilter
+
+from sar_estimator.estimator import HelicopterEstimator
+from sar_estimator.parameters import EstimatorParameters
+from sar_planner.benchmark_cli import LISTS, replan_times_ms
+from sar_sim.bench import Figure, as_json, cpu_ticks, memory_kb
+from sar_sim.missions import fly
+from sar_sim.options import find_scenario
+from sar_sim.probe_node import bare_delays_s, graph_delays_s
+from sar_sim.scenario import Pattern, Scenario, load_scenario
+from sar_sim.world import World
+
+REPLANS = 2000
+LAGS_M = (-150.0, 1000.0)
+LEG_M = 1500.0
+POOL_MISSIONS = 4
+SETTLING_S, SAMPLED_S = 20.0, 60.0
+PATIENCE_S = 600.0
+
+
+def estimator() -> Iterator[Figure]:
+    """Time an estimator's step against a bare filterpy predict and update."""
+    world = World(load_scenario(find_scenario("closed_loop")))
+    fixes = []
+    while not world.finished:
+        fixes += [reception.fix for reception in world.step()]
+    tested = HelicopterEstimator(EstimatorParameters(), world.datum)
+    bare = KalmanFilter(dim_x=6, dim_z=2)
+    bare.F, bare.H = np.eye(6) + 0.1 * np.eye(6, k=1), np.eye(2, 6)
+    steps, updates = [], []
+    for fix in fixes:
+        begun = time.perf_counter()
+        tested.add_fix(fix)
+        between = time.perf_counter()
+        bare.predict()
+        bare.update(np.zeros(2))
+        updates.append(time.perf_counter() - between)
+        steps.append(between - begun)
+    step, update = float(np.median(steps)), float(np.median(updates))
+    yield Figure("estimator", "step, a fix in, leg and corner out", 1e3 * step, "ms")
+    yield Figure("estimator", "bare filterpy predict and update", 1e3 * update, "ms")
+    yield Figure("estimator", "step over bare filterpy", step / update, "", 2.0)
+
+
+def replans() -> Iterator[Figure]:
+    """Time the choice of a rule, its separation check and its waypoint list."""
+    for name, tuning in LISTS.items():
+        times = replan_times_ms(REPLANS, LAGS_M, tuning)
+        yield Figure("replan", f"median, {name}", float(np.median(times)), "ms", 2.0)
+        yield Figure("replan", f"p99, {name}", float(np.percentile(times, 99)), "ms", 5.0)
+
+
+def _long(corners: int) -> Scenario:
+    """Return a mission of many corners and legs that do not grow."""
+    base = load_scenario(find_scenario("arduplane"))
+    pattern = Pattern(first_leg_m=LEG_M, last_leg_m=LEG_M, corners=corners, track_spacing_m=1e-3)
+    return replace(base, pattern=pattern)
+
+
+def _pace(corners: int) -> float:
+    """Return how many times faster than real time a mission is flown offline, CPU time counted."""
+    begun = time.process_time()
+    flown = fly(_long(corners), "deadbeat")
+    return flown.flown_s / (time.process_time() - begun)
+
+
+def _fly_one(_number: int) -> None:
+    fly(_long(4), "deadbeat")
+
+
+def _missions_s(workers: int) -> float:
+    with ProcessPoolExecutor(workers) as pool:
+        list(pool.map(_fly_one, range(workers)))  # everything is imported
+        begun = time.monotonic()
+        list(pool.map(_fly_one, range(POOL_MISSIONS)))
+        return time.monotonic() - begun
+
+
+def campaigns(corners: list[int]) -> Iterator[Figure]:
+    """Fly whole closed-loop missions offline: how fast, and how that grows."""
+    paces = [_pace(count) for count in corners]
+    for count, pace in zip(corners, paces, strict=True):
+        asked = 1000.0 if count == corners[0] else None
+        what = f"x real time a core, {count} corners"
+        yield Figure("campaign", what, pace, "", asked, at_least=True)
+    growth = paces[0] / paces[-1]
+    what = f"time a corner, {corners[-1]} corners over {corners[0]}"
+    yield Figure("campaign", what, growth, "", 1.2)
+    one, two = _missions_s(1), _missions_s(2)
+    yield Figure("campaign", "two workers over one", one / two, "", 1.8, at_least=True)
+
+
+def _launch(out: Path, *options: str) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "sar_sim.launch_cli", "--out", str(out), *options]
+    return subprocess.Popen(  # noqa: S603
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    )
+
+
+def _finish(flight: subprocess.Popen[str]) -> None:
+    _, errors = flight.communicate(timeout=PATIENCE_S)
+    if flight.returncode != 0:
+        raise OSError(f"the flight failed: {errors}")
+
+
+def _family(process: int) -> list[int]:
+    """Return a process and all that come from it."""
+    found = [process]
+    for one in found:
+        for task in Path(f"/proc/{one}/task").glob("*/children"):
+            found += [int(child) for child in task.read_text("utf-8").split()]
+    return found
+
+
+def _used(process: int) -> tuple[float, float]:
+    """Return CPU time [s] and memory [MB] of a process and all that come from it, as of now."""
+    ticks = kilobytes = 0
+    for one in _family(process):
+        ticks += cpu_ticks(Path(f"/proc/{one}/stat").read_text("utf-8"))
+        kilobytes += memory_kb(Path(f"/proc/{one}/smaps_rollup").read_text("utf-8"))
+    return ticks / os.sysconf("SC_CLK_TCK"), kilobytes / 1024.0
+
+
+def graph_load(scratch: Path) -> Iterator[Figure]:
+    """Fly the whole graph at real time for a while: CPU and memory."""
+    flight = _launch(scratch / "load", "--scenario", "arduplane", "--speed", "1")
+    try:
+        time.sleep(SETTLING_S)
+        before, begun = _used(flight.pid)[0], time.monotonic()
+        time.sleep(SAMPLED_S)
+        after, memory = _used(flight.pid)
+        share = (after - before) / (time.monotonic() - begun)
+    finally:
+        flight.terminate()
+    _finish(flight)
+    yield Figure("graph", "CPU at real time, of one core", 100.0 * share, "%", 30.0)
+    yield Figure("graph", "memory, proportional set size of all processes", memory, "MB", 600.0)
+
+
+def graph_speed(scratch: Path) -> Iterator[Figure]:
+    """Fly the whole graph faster than real time: it should hold the rate, and lead as well."""
+    for speed in (10, 20):
+        out = scratch / f"speed{speed}"
+        begun = time.monotonic()
+        _finish(_launch(out, "--scenario", "closed_loop", "--speed", str(speed)))
+        metrics = json.loads((out / "metrics.json").read_text("utf-8"))
+        pace = metrics["duration_s"] / (time.monotonic() - begun)
+        late = max(abs(lag) for lag in metrics["lag_m"][2:])
+        what = f"x real time with --speed {speed}, start and report included"
+        yield Figure("graph", what, pace, "", 0.8 * speed, at_least=True)
+        yield Figure("graph", f"|L(k)| from corner 3, --speed {speed}", late, "m", 15.0)
+
+
+def chain(scratch: Path) -> Iterator[Figure]:
+    """Time fix -> list -> mission accepted in the graph, and the same hops without any content."""
+    found = graph_delays_s(scratch / "chain")
+    listed = float(np.median([one[0] for one in found]))
+    accepted = float(np.median([sum(one) for one in found]))
+    bare = float(np.median(bare_delays_s()))
+    yield Figure("chain", "fix received to list published, median", 1e3 * listed, "ms")
+    yield Figure("chain", "fix received to mission accepted, median", 1e3 * accepted, "ms")
+    yield Figure("chain", "the same hops, nothing computed, median", 1e3 * bare, "ms")
+    yield Figure("chain", "graph over bare chain", accepted / bare, "", 3.0)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Measure and print; 1 when a flight failed."""
+    parser = argparse.ArgumentParser(prog="bench", description=__doc__)
+    parser.add_argument("--json", type=Path, help="write the figures to this file, too")
+    parser.add_argument("--only", nargs="+", default=[], help="these parts")
+    parser.add_argument(
+        "--corners", type=int, nargs="+", default=[10, 100], help="missions' lengths; up to 1000"
+    )
+    args = parser.parse_args(argv)
+    with tempfile.TemporaryDirectory() as folder:
+        scratch = Path(folder)
+        parts: dict[str, Callable[[], Iterator[Figure]]] = {
+            "estimator": estimator,
+            "replan": replans,
+            "campaign": partial(campaigns, args.corners),
+            "load": partial(graph_load, scratch),
+            "speed": partial(graph_speed, scratch),
+            "chain": partial(chain, scratch),
+        }
+        unknown = [name for name in args.only if name not in parts]
+        if unknown:
+            parser.error(f"--only {unknown[0]}: expected one of {', '.join(parts)}")
+        figures: list[Figure] = []
+        try:
+            for name, measure in parts.items():
+                for figure in measure() if not args.only or name in args.only else ():
+                    figures.append(figure)
+                    sys.stdout.write(figure.row() + "\n")
+                    sys.stdout.flush()
+        except (OSError, subprocess.TimeoutExpired) as error:
+            sys.stderr.write(f"bench: {error}\n")
+            return 1
+    if args.json is not None:
+        args.json.write_text(as_json(figures), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,133 @@
+"""Node ``probe`` of ``bench``: from a fix to a mission's acceptance, in the graph and bare."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from nav_msgs.msg import Path as PathMessage
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import NavSatFix
+from std_msgs.msg import String
+
+from sar_estimator import topics
+from sar_estimator.messages import from_stamp, to_stamp
+from sar_estimator.node_support import LATCHED, RELIABLE, start_ros
+from sar_sim.bare_chain_node import ACCEPTED, FIX
+from sar_sim.bench import delays
+
+HOPS = ("estimator", "planner", "monitor", "bridge")
+BARE_FIXES = 40
+BARE_PERIOD_S = 0.2
+STARTING_S = 30.0
+FLOWN_S = 240.0
+FOR_THE_FIX_S = 0.3
+
+
+class Probe(Node):
+    """Notes when fixes, lists and acceptances are seen, by the wall's clock."""
+
+    def __init__(self) -> None:
+        """Listen to the graph and to the bare chain."""
+        super().__init__("probe")
+        self.fixes_s: list[float] = []
+        self.lists_s: dict[float, float] = {}
+        self.accepted_s: dict[float, float] = {}
+        self.bare_s: list[float] = []
+        self._sent_s = 0.0
+        self.bare = self.create_publisher(NavSatFix, FIX, RELIABLE)
+        self.create_subscription(NavSatFix, topics.FIX, self._on_fix, qos_profile_sensor_data)
+        self.create_subscription(PathMessage, topics.WAYPOINTS, self._on_list, LATCHED)
+        self.create_subscription(String, topics.UPLOADED, self._on_accepted, RELIABLE)
+        self.create_subscription(String, ACCEPTED, self._on_bare, RELIABLE)
+
+    def _on_fix(self, _message: Any) -> None:
+        self.fixes_s.append(time.perf_counter())
+
+    def _on_list(self, message: Any) -> None:
+        self.lists_s[from_stamp(message.header.stamp)] = time.perf_counter()
+
+    def _on_accepted(self, message: Any) -> None:
+        self.accepted_s[float(json.loads(message.data)["stamp_s"])] = time.perf_counter()
+
+    def _on_bare(self, _message: Any) -> None:
+        self.bare_s.append(time.perf_counter() - self._sent_s)
+
+    def send(self, number: int) -> None:
+        """Send a fix down the bare chain."""
+        message = NavSatFix()
+        message.header.stamp = to_stamp(float(number))
+        self._sent_s = time.perf_counter()
+        self.bare.publish(message)
+
+
+def _probe() -> Probe:
+    start_ros(args=[])
+    return Probe()
+
+
+def _spin(probe: Probe, seconds: float) -> None:
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        rclpy.spin_once(probe, timeout_sec=max(0.0, until - time.monotonic()))
+
+
+def graph_delays_s(out: Path) -> list[tuple[float, float]]:
+    """Fly at real time; return fix to list and list to acceptance [s] of every list for a fix."""
+    command = [sys.executable, "-m", "sar_sim.launch_cli", "--scenario", "short", "--speed", "1"]
+    probe = _probe()
+    flight = subprocess.Popen(  # noqa: S603
+        [*command, "--out", str(out)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    try:
+        until = time.monotonic() + FLOWN_S
+        while flight.poll() is None and time.monotonic() < until:
+            _spin(probe, 1.0)
+    finally:
+        flight.terminate()
+        flight.wait()
+        probe.destroy_node()
+        rclpy.try_shutdown()
+    found = delays(probe.fixes_s, probe.lists_s, probe.accepted_s, FOR_THE_FIX_S)
+    if not found:
+        raise OSError("no list was made for a fix and accepted: expected some at every corner")
+    return found
+
+
+def bare_delays_s(items: int = 40) -> list[float]:
+    """Return how long a fix takes through as many processes that compute nothing [s].
+
+    ``items``: waypoints of the list, and datagrams there and back of its upload.
+    """
+    probe = _probe()
+    module = [sys.executable, "-m", "sar_sim.bare_chain_node", "--items", str(items)]
+    nodes = [subprocess.Popen([*module, hop]) for hop in HOPS]  # noqa: S603
+    try:
+        until = time.monotonic() + STARTING_S
+        number = 0
+        while not probe.bare_s and time.monotonic() < until:
+            number += 1
+            probe.send(number)
+            _spin(probe, BARE_PERIOD_S)
+        probe.bare_s.clear()
+        for _ in range(BARE_FIXES):
+            number += 1
+            probe.send(number)
+            _spin(probe, BARE_PERIOD_S)
+    finally:
+        for node in nodes:
+            node.terminate()
+        for node in nodes:
+            node.wait()
+        found = list(probe.bare_s)
+        probe.destroy_node()
+        rclpy.try_shutdown()
+    if not found:
+        raise OSError("nothing came through the bare chain")
+    return found
