@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import os
+import signal
+import socket
 import sys
+import threading
+import time
 from collections.abc import Callable
 from dataclasses import fields
 from typing import Any, NoReturn
@@ -16,6 +20,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from sar_estimator.loopback import stay_on_machine
 
+PATIENCE_S = 8.0
 RELIABLE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 LATCHED = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
@@ -90,8 +95,28 @@ def end_process(code: int) -> NoReturn:
     os._exit(code)
 
 
+def _end_when_asked() -> None:
+    """Have this process end ``PATIENCE_S`` after SIGINT or SIGTERM, whatever hangs in it by then.
+
+    The signal wakes a thread of its own: the middleware, where the others may wait, is not asked.
+    """
+    asked, woken = socket.socketpair()
+    woken.setblocking(False)  # noqa: FBT003 (the standard library's)
+    signal.signal(signal.SIGTERM, lambda *_: None)  # what it does is ROS's matter
+    signal.set_wakeup_fd(woken.fileno(), warn_on_full_buffer=False)
+
+    def wait() -> None:
+        asked.recv(1)
+        time.sleep(PATIENCE_S)
+        woken.close()
+        end_process(0)
+
+    threading.Thread(target=wait, name="ending", daemon=True).start()
+
+
 def run_node(name: str, make: Callable[[], Node]) -> int:
     """Run a node until SIGINT, SIGTERM or shutdown; 2 and one line when it refuses to start."""
+    _end_when_asked()
     start_ros()
     try:
         node = make()

@@ -104,7 +104,7 @@ def flown_with(
             tuple(engaged),
             watch_only,
         )
-    except (KeyError, TypeError) as error:
+    except (AttributeError, KeyError, TypeError) as error:
         raise ValueError(
             f"{topics.MISSION}: {error}: expected this version's parameters"
         ) from error
