@@ -30,10 +30,12 @@ sys.exit(node_support.run_node("hanging", lambda: Node("hanging")))
 
 @pytest.mark.graph
 @pytest.mark.timeout(60)
+@pytest.mark.parametrize("trapped", ["", "trap '' INT; "], ids=["alone", "in_the_background"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_node_ends_when_asked_whatever_hangs_in_it(number):
+def test_a_node_ends_when_asked_whatever_hangs_in_it(number, trapped):
+    """A shell has what it starts in the background ignore SIGINT."""
     process = subprocess.Popen(
-        [sys.executable, "-c", HANGING],
+        ["bash", "-c", f'{trapped}exec "$@"', "bash", sys.executable, "-c", HANGING],
         stdout=subprocess.PIPE,
         env=dict(os.environ, ROS_DOMAIN_ID="96"),
         text=True,

@@ -99,9 +99,11 @@ def _end_when_asked() -> None:
     """Have this process end ``PATIENCE_S`` after SIGINT or SIGTERM, whatever hangs in it by then.
 
     The signal wakes a thread of its own: the middleware, where the others may wait, is not asked.
+    SIGINT counts even where it was ignored, as a shell does for what it starts in the background.
     """
     asked, woken = socket.socketpair()
     woken.setblocking(False)  # noqa: FBT003 (the standard library's)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGTERM, lambda *_: None)  # what it does is ROS's matter
     signal.set_wakeup_fd(woken.fileno(), warn_on_full_buffer=False)
 
