@@ -10,7 +10,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -24,7 +23,9 @@ from sar_planner.benchmark_cli import LISTS, replan_times_ms
 from sar_sim.bench import Figure, as_json, cpu_ticks, memory_kb
 from sar_sim.missions import fly
 from sar_sim.options import find_scenario
+from sar_sim.pool import Workers
 from sar_sim.probe_node import bare_delays_s, graph_delays_s
+from sar_sim.processes import launch_command
 from sar_sim.scenario import Pattern, Scenario, load_scenario
 from sar_sim.world import World
 
@@ -87,7 +88,7 @@ def _fly_one(_number: int) -> None:
 
 
 def _missions_s(workers: int) -> float:
-    with ProcessPoolExecutor(workers) as pool:
+    with Workers(workers) as pool:
         list(pool.map(_fly_one, range(workers)))  # everything is imported
         begun = time.monotonic()
         list(pool.map(_fly_one, range(POOL_MISSIONS)))
@@ -109,9 +110,8 @@ def campaigns(corners: list[int]) -> Iterator[Figure]:
 
 
 def _launch(out: Path, *options: str) -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "sar_sim.launch_cli", "--out", str(out), *options]
     return subprocess.Popen(  # noqa: S603
-        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        launch_command(out, *options), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
     )
 
 

@@ -13,6 +13,7 @@ import yaml
 from sar_sim.dds_cut import IN_OWN_NETWORK, own_network_possible
 from sar_sim.fault_runs import CASES, HEADER, fault_scenario, fault_speed, read_run
 from sar_sim.options import find_scenario
+from sar_sim.processes import launch_command
 from sar_sim.scenario import Fault, Scenario, load_scenario, scenario_document
 
 PATIENCE_S = 400.0
@@ -23,8 +24,8 @@ def fly(fault: Fault, base: Scenario, out: Path) -> Path:
     out.mkdir(parents=True)
     file = out / "fault.yaml"
     file.write_text(yaml.safe_dump(scenario_document(fault_scenario(base, fault))), "utf-8")
-    command = [sys.executable, "-m", "sar_sim.launch_cli", "--scenario", str(file)]
-    command += ["--speed", f"{fault_speed(fault):g}", "--out", str(out / "run")]
+    speed = f"{fault_speed(fault):g}"
+    command = launch_command(out / "run", "--scenario", str(file), "--speed", speed)
     if fault.component == "dds":
         command = [*IN_OWN_NETWORK, *command]
     done = subprocess.run(  # noqa: S603

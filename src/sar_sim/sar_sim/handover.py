@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 from sar_bridge.follower import FollowerTuning
+from sar_bridge.helicopter_futures import Habits
 from sar_bridge.mission_banks import MissionBanks, Write
 from sar_bridge.mission_items import first_ahead
-from sar_bridge.separation_monitor import SeparationMonitor
+from sar_bridge.separation_monitor import MonitorParameters, SeparationMonitor
 from sar_estimator.geodesy import Datum
 from sar_estimator.states import CornerEstimate, FloatArray, LegEstimate, MotionEstimate, Phase
+from sar_planner.parameters import CornerParameters
 from sar_sim.autopilot import FlightMode, SimAutopilot
 from sar_sim.presets import parameter_values
+
+
+def monitor_for(
+    corner: CornerParameters, turn_side: int, *, watch_only: bool = False
+) -> SeparationMonitor:
+    """Return the monitor of a mission, as the launcher sets it up."""
+    return SeparationMonitor(
+        MonitorParameters(min_separation_m=corner.separation_m, watch_only=watch_only),
+        Habits(corner.speed_mps, corner.accel_mps2, turn_side),
+    )
 
 
 def load_list(

@@ -10,10 +10,8 @@ from typing import Any, Generic, TypeVar
 from rclpy.serialization import serialize_message
 
 from sar_bridge.follower import FollowerTuning
-from sar_bridge.helicopter_futures import Habits
 from sar_bridge.mission_banks import MissionBanks
 from sar_bridge.separation_monitor import (
-    MonitorParameters,
     SeparationMonitor,
     monitor_text,
 )
@@ -55,7 +53,7 @@ from sar_planner.mission import (
 from sar_planner.vehicle import Vehicle
 from sar_sim.bag import BagWriter, canonical
 from sar_sim.gps import Reception
-from sar_sim.handover import load_list, tell_monitor
+from sar_sim.handover import load_list, monitor_for, tell_monitor
 from sar_sim.helicopter import CornerTruth
 from sar_sim.presets import parameter_values
 from sar_sim.scenario import Scenario, scenario_document
@@ -110,11 +108,8 @@ def mission_parameters(scenario: Scenario, *, rules: str) -> MissionParameters:
 
 def make_monitor(scenario: Scenario, *, watch_only: bool = False) -> SeparationMonitor:
     """Return the monitor that a scenario is flown with."""
-    corner = scenario.corner
-    monitor = SeparationMonitor(
-        MonitorParameters(min_separation_m=corner.separation_m, watch_only=watch_only),
-        Habits(corner.speed_mps, corner.accel_mps2, scenario.pattern.turn_side),
-    )
+    turn_side = scenario.pattern.turn_side
+    monitor = monitor_for(scenario.corner, turn_side, watch_only=watch_only)
     monitor.tuning = FollowerTuning.read(parameter_values(scenario.uav))
     return monitor
 

@@ -21,6 +21,7 @@ from sar_estimator.messages import from_stamp, to_stamp
 from sar_estimator.node_support import LATCHED, RELIABLE, start_ros
 from sar_sim.bare_chain_node import ACCEPTED, FIX
 from sar_sim.bench import delays
+from sar_sim.processes import launch_command
 
 HOPS = ("estimator", "planner", "monitor", "bridge")
 BARE_FIXES = 40
@@ -80,10 +81,10 @@ def _spin(probe: Probe, seconds: float) -> None:
 
 def graph_delays_s(out: Path) -> list[tuple[float, float]]:
     """Fly at real time; return fix to list and list to acceptance [s] of every list for a fix."""
-    command = [sys.executable, "-m", "sar_sim.launch_cli", "--scenario", "short", "--speed", "1"]
+    command = launch_command(out, "--scenario", "short", "--speed", "1")
     probe = _probe()
     flight = subprocess.Popen(  # noqa: S603
-        [*command, "--out", str(out)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     )
     try:
         until = time.monotonic() + FLOWN_S

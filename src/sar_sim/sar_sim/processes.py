@@ -6,6 +6,7 @@ import ctypes
 import os
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -74,6 +75,11 @@ class NodeProcess:
             self.kill()
             return False
         return True
+
+
+def launch_command(out: Path, *options: str) -> list[str]:
+    """Return what flies the whole graph into a folder, as ``launch.sh`` does."""
+    return [sys.executable, "-m", "sar_sim.launch_cli", "--out", str(out), *options]
 
 
 def folder_bytes(folder: Path) -> int:

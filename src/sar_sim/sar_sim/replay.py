@@ -20,8 +20,7 @@ from typing import Any
 import numpy as np
 
 from sar_bridge.follower import FollowerTuning
-from sar_bridge.helicopter_futures import Habits
-from sar_bridge.separation_monitor import MonitorParameters, SeparationMonitor, monitor_text
+from sar_bridge.separation_monitor import monitor_text
 from sar_estimator import topics
 from sar_estimator.estimator import HelicopterEstimator
 from sar_estimator.geodesy import Datum
@@ -48,6 +47,7 @@ from sar_planner.messages import (
 )
 from sar_planner.mission import MissionParameters, MissionPlanner
 from sar_planner.parameters import CornerParameters
+from sar_sim.handover import monitor_for
 
 GUARD_PERIOD_S = 0.5
 Event = tuple[str, float, Any]
@@ -214,12 +214,9 @@ class MonitorReplay(_Module):
     def __init__(self, flown: FlownWith) -> None:
         """Begin with nothing known but what the flight was flown with."""
         super().__init__()
-        corner = flown.corner
-        limits = MonitorParameters(
-            min_separation_m=corner.separation_m, watch_only=flown.watch_only
+        self._monitor = monitor_for(
+            flown.corner, flown.mission.turn_side, watch_only=flown.watch_only
         )
-        habits = Habits(corner.speed_mps, corner.accel_mps2, flown.mission.turn_side)
-        self._monitor = SeparationMonitor(limits, habits)
         self._covariance: FloatArray = np.zeros((2, 2))
         self._told = ""
         self._led = False
@@ -430,7 +427,7 @@ def _alert(message: Any) -> dict[str, Any]:
     return {"alert": values["alert"], **values["counts"]}
 
 
-def _datum(message: Any) -> dict[str, Any]:
+def _plain(message: Any) -> dict[str, Any]:
     return {"value": message.data}
 
 
@@ -438,11 +435,11 @@ FIGURES: dict[str, Callable[[Any], dict[str, Any]]] = {
     topics.LEG: _leg,
     topics.CORNER: _corner,
     topics.PREDICTION: _prediction,
-    topics.PHASE: _datum,
+    topics.PHASE: _plain,
     topics.HELICOPTER_ODOMETRY: _motion,
     topics.WAYPOINTS: _points,
     topics.CORNER_PLAN: _corner_plan,
-    topics.SPEED: _datum,
+    topics.SPEED: _plain,
     topics.CLEARED: _points,
     topics.MONITOR: _alert,
 }

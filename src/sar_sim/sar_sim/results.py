@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -147,13 +148,11 @@ def bounds(found: Mapping[Key, Summary]) -> str:
     flown = table(["L(1) [m]", "N1 bound", "T1 counted", "N2 bound", "T2 counted"], rows)
     lines = [flown, ""]
     for uav in AUTOPILOTS:
-        missions = found["paper", uav, 0.0].missions
-        shares = [
-            sum(rule == name for one in missions for rule in one.rules)
-            / max(1, sum(len(one.rules) for one in missions))
-            for name in ("T1", "T2", "T3", "T4")
-        ]
-        told = ", ".join(f"T{n} {100.0 * share:.0f} %" for n, share in enumerate(shares, start=1))
+        flown_by = found["paper", uav, 0.0].missions
+        counts = Counter(rule for one in flown_by for rule in one.rules)
+        corners = max(1, counts.total())
+        rules = ("T1", "T2", "T3", "T4")
+        told = ", ".join(f"{rule} {100.0 * counts[rule] / corners:.0f} %" for rule in rules)
         lines.append(f"* Flown by `{uav}`: {told} of the corners.")
     return "\n".join(lines)
 
