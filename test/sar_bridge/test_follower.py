@@ -127,6 +127,26 @@ def test_any_list_is_followed_at_a_possible_speed(points, vx, vy, cruise):
     assert np.hypot(*np.diff(path, axis=0).T).max() <= fastest * STEP_S + 1e-9
 
 
+def test_without_a_cruise_speed_the_airspeed_is_kept():
+    """Ground speed with the wind, against it and across it (the wind triangle)."""
+    uav = Motion(0.0, 0.0, 0.0, 26.0, 0.0)  # 20 m/s through the air, 6 m/s behind
+    for end, speed in (
+        ((9000.0, 0.0), 26.0),
+        ((-9000.0, 0.0), 14.0),
+        ((0.0, 9000.0), math.sqrt(20.0**2 - 6.0**2)),
+    ):
+        route = Route(np.array([end]), uav)
+        path = follow(uav, route, tuning=TUNING, cruise_mps=None, wind_mps=(6.0, 0.0))
+        assert np.hypot(*(path[-1] - path[-2])) == pytest.approx(speed * STEP_S, abs=0.2)
+
+
+def test_a_wind_stronger_than_the_airspeed_does_not_stop_the_prediction():
+    uav = Motion(0.0, 0.0, 0.0, 2.0, 0.0)
+    route = Route(np.array([[-3000.0, 0.0]]), uav)
+    path = follow(uav, route, tuning=TUNING, cruise_mps=None, wind_mps=(25.0, 5.0))
+    assert np.isfinite(path).all()
+
+
 def test_an_autopilot_without_l1_guidance_flies_the_polygon():
     angles = np.radians(np.arange(-90.0, 91.0, 6.0))
     arc = np.column_stack((400.0 + 100.0 * np.cos(angles), 100.0 + 100.0 * np.sin(angles)))

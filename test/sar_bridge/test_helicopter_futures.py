@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_bridge.helicopter_futures import Habits, Helicopter
+from sar_bridge.helicopter_futures import HURRY, Habits, Helicopter
 from sar_estimator.plane import Pose
 from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_sim.helicopter import PatternHelicopter
@@ -107,6 +107,18 @@ def test_a_helicopter_that_leaves_another_way_is_followed():
     assert onward.positions[-1][0] < stop.x_m - 600.0
 
 
+def test_one_that_departs_may_fly_faster_than_before():
+    truth = pattern()
+    first = truth.corners[0]
+    now = first.onset_time_s + 19.0
+    found = told(truth, now, Phase.ACCELERATING, corner_of(first, now))
+    assert not found["hurries on"].likely
+    gap = np.hypot(*(found["hurries on"].positions - found["speeds up"].positions).T)
+    assert gap[0] == pytest.approx(0.0)
+    last = np.hypot(*np.diff(found["hurries on"].positions[-2:], axis=0)[0])
+    assert last == pytest.approx(32.0 * (TIMES[-1] - TIMES[-2]))
+
+
 def test_a_helicopter_that_should_have_stopped_already_leaves_from_where_it_should():
     """Its own course means nothing by then, and the phase is told a little late."""
     first = pattern().corners[0]
@@ -158,5 +170,6 @@ def test_any_state_gives_finite_futures_one_of_them_likely(phase, vx, vy, sigma,
         assert future.positions.shape == (len(TIMES), 2)
         assert np.isfinite(future.positions).all()
         assert (np.isfinite(future.sigma_m) & (future.sigma_m >= 0.0)).all()
-        fastest = max(np.hypot(vx, vy), 20.0)
+        cruise = 20.0 * (HURRY if future.name == "hurries on" else 1.0)
+        fastest = max(np.hypot(vx, vy), cruise)
         assert np.hypot(*np.diff(future.positions, axis=0).T).max() <= 0.5 * fastest + 1e-6

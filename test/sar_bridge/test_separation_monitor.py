@@ -197,7 +197,6 @@ def test_a_uav_that_is_led_into_the_helicopter_is_sent_away():
     bench = crossing()
     escape = until_sent_away(bench)
     assert bench.now_s == pytest.approx(10.0, abs=1.0)  # 20 s before, and 4 s to lead it elsewhere
-    assert escape.number == 1
     assert bench.monitor.reason.startswith("sent away: ")
     assert escape.predicted_m > 200.0
     way = escape.points[0] - (600.0, -400.0)
@@ -231,6 +230,44 @@ def test_an_escape_climbs_where_that_separates_more_and_not_into_the_helicopter(
         bench.monitor.set_flown(np.array([[100.0, 3000.0]]))
         (escape, *_) = bench.fly(1.0)
         assert (escape.climb_m > 0.0) is climbs
+
+
+def test_another_way_out_is_taken_when_it_becomes_better_and_only_then():
+    """Sent straight on before a helicopter that stops: it flies on instead, and overtakes."""
+    bench = Bench(uav=(150.0, -60.0))
+    bench.uav = replace(bench.uav, vx_mps=12.0)
+    bench.tell()
+    bench.monitor.set_flown(np.array([[3000.0, -60.0]]))
+    (escape,) = bench.fly(0.5)
+    held = np.array([[3000.0, bench.uav.y_m]])
+    bench.monitor.escape = replace(escape, points=held)
+    bench.monitor.set_flown(held)
+    (other,) = bench.fly(2.5)
+    assert other.points[0, 1] < -500.0
+    course = other.points[0] - (bench.uav.x_m, bench.uav.y_m)
+    vx, vy = 12.0 * course / np.hypot(*course)
+    bench.uav = replace(bench.uav, vx_mps=vx, vy_mps=vy)
+    assert bench.fly(10.0) == []
+
+
+def test_a_uav_that_is_not_led_to_the_helicopters_speed_is_not_taken_to_reach_it():
+    """Slower than the helicopter behind it, for long: it will be overtaken."""
+    bench = Bench(uav=(300.0, -100.0))
+    bench.uav = replace(bench.uav, vx_mps=12.0)
+    bench.tell()
+    bench.monitor.set_flown(np.array([[9000.0, -100.0]]))
+    bench.monitor.update(0.0)
+    believed_m = bench.monitor.nearest.distance_m
+    assert believed_m > 200.0  # it has only begun to be led
+    bench.fly(8.0)
+    assert bench.monitor.nearest.distance_m < 110.0
+
+
+def test_a_wind_that_is_no_number_is_not_taken():
+    bench = Bench()
+    bench.monitor.set_wind((3.0, -2.0))
+    bench.monitor.set_wind((math.nan, 0.0))
+    assert bench.monitor.wind_mps == (3.0, -2.0)
 
 
 def test_a_conflict_that_the_planner_ends_in_time_is_no_reason_to_send_it_away():

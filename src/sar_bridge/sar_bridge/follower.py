@@ -30,6 +30,7 @@ HALF_PI = 0.5 * math.pi
 TURN_RAD = 2.0 * math.pi
 
 Point = tuple[float, float]
+Vector = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,9 +178,18 @@ class Flown:
     """A UAV in flight under the guidance, in steps of ``step_s``; ``x_m``, ``y_m``: where it is."""
 
     def __init__(
-        self, uav: Motion, tuning: FollowerTuning, step_s: float, cruise_mps: float | None = None
+        self,
+        uav: Motion,
+        tuning: FollowerTuning,
+        step_s: float,
+        cruise_mps: float | None = None,
+        wind_mps: Vector = (0.0, 0.0),
     ) -> None:
-        """Begin at the UAV's motion, wings level; its ground speed goes to ``cruise_mps``."""
+        """Begin at the UAV's motion, wings level.
+
+        Its ground speed goes to ``cruise_mps``; without one, it keeps the airspeed that it has in
+        the wind that blows to ``wind_mps``.
+        """
         self.x_m, self.y_m = uav.x_m, uav.y_m
         self.speed_mps = max(uav.speed_mps, LEAST_SPEED_MPS)
         self._course, self._rate, self._step_s = uav.course_rad, 0.0, step_s
@@ -189,8 +199,11 @@ class Flown:
         self._l1_s = tuning.damping * tuning.period_s / math.pi
         self._gain = 4.0 * tuning.damping**2 * tuning.turn_share / self._l1_s
         self._pull_mps2 = tuning.turn_share * G_MPS2 * math.tan(math.radians(tuning.roll_limit_deg))
-        self._cruise_mps = self.speed_mps if cruise_mps is None else cruise_mps
+        self._cruise_mps = cruise_mps
         self._change = ACCEL_MPS2 * step_s
+        self._wind_x, self._wind_y = wind_mps
+        air = math.hypot(uav.vx_mps - self._wind_x, uav.vy_mps - self._wind_y)
+        self._air2 = max(air, LEAST_SPEED_MPS) ** 2
 
     def along(self, leg: Leg) -> None:
         """Fly a step along a leg."""
@@ -216,11 +229,18 @@ class Flown:
         wanted = limit if wanted > limit else max(wanted, -limit)
         rate += self._lag_share * (wanted - rate)
         course = self._course + rate * self._step_s
-        more = self._cruise_mps - speed
-        speed += change if more > change else max(more, -change)
+        ux, uy = math.cos(course), math.sin(course)
+        if self._cruise_mps is None:
+            along = self._wind_x * ux + self._wind_y * uy
+            across = self._wind_y * ux - self._wind_x * uy
+            speed = along + math.sqrt(max(self._air2 - across * across, 0.0))
+            speed = max(speed, LEAST_SPEED_MPS)
+        else:
+            more = self._cruise_mps - speed
+            speed += change if more > change else max(more, -change)
         run = self._step_s * speed
-        self.x_m += run * math.cos(course)
-        self.y_m += run * math.sin(course)
+        self.x_m += run * ux
+        self.y_m += run * uy
         self.speed_mps, self._rate, self._course = speed, rate, course
 
 
@@ -229,15 +249,16 @@ def follow(
     route: Route,
     *,
     tuning: FollowerTuning,
-    cruise_mps: float,
+    cruise_mps: float | None,
+    wind_mps: Vector = (0.0, 0.0),
     horizon_s: float = 60.0,
 ) -> FloatArray:
     """Return where the UAV will be, shape (n, 2) [m], every ``STEP_S`` from its own time on.
 
-    Its ground speed goes to ``cruise_mps``, as lists are led; behind the list it loiters about the
-    last waypoint.
+    Its ground speed goes to ``cruise_mps``, as lists are led, or it keeps its airspeed
+    (``Flown``); behind the list it loiters about the last waypoint.
     """
-    flown = Flown(uav, tuning, STEP_S, cruise_mps)
+    flown = Flown(uav, tuning, STEP_S, cruise_mps, wind_mps)
     at, last = route.target, len(route.places)
     leg = Leg(route.begin, route.places[at]) if at < last else None
     centre = route.places[-1] if last else (uav.x_m, uav.y_m)

@@ -27,6 +27,7 @@ EXPECTED_SIGMA_MPS = 1.2
 CONTRADICTION = 3.0
 CONTRADICTED_LEG = 5.0
 ACCEL_SHARE_SIGMA = 0.15
+HURRY = 1.6
 
 
 @dataclass(frozen=True, slots=True)
@@ -259,10 +260,12 @@ class Helicopter:
             forward = min(forward, self.cruise_mps)
         fastest = max(self.cruise_mps, forward)
         run = _run(times, forward, self.habits.accel_mps2, fastest)
+        hurry = _run(times, forward, self.habits.accel_mps2, max(HURRY * self.cruise_mps, fastest))
         slowing = self._stopping(here, forward, now_s, times)[0]
         spread = self._ramp_spread(times)
         return [
             Future("speeds up", _along(out, run), np.hypot(spread, 0.05 * run), likely=True),
+            Future("hurries on", _along(out, hurry), np.hypot(spread, 0.05 * hurry)),
             Future("stops again", slowing, spread),
         ]
 

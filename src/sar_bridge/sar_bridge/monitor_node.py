@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseWithCovarianceStamped
+from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
@@ -72,6 +72,7 @@ class MonitorNode(Node):
             (Path, topics.PREDICTION, self._on_prediction, RELIABLE),
             (String, topics.PHASE, self._on_phase, LATCHED),
             (Odometry, topics.UAV_ODOMETRY, self._on_uav, RELIABLE),
+            (Vector3Stamped, topics.WIND, self._on_wind, RELIABLE),
             (String, topics.UAV_STATE, self._on_state, LATCHED),
             (String, topics.UPLOADED, self._on_uploaded, RELIABLE),
             (String, topics.AUTOPILOT, self._on_autopilot, LATCHED),
@@ -119,6 +120,9 @@ class MonitorNode(Node):
     def _on_uav(self, message: Odometry) -> None:
         self._uav_up_m = message.pose.pose.position.z
         self._monitor.set_uav(odometry_to_motion(message))
+
+    def _on_wind(self, message: Vector3Stamped) -> None:
+        self._monitor.set_wind((message.vector.x, message.vector.y))
 
     def _on_state(self, message: String) -> None:
         try:

@@ -14,20 +14,20 @@ import json
 import math
 from dataclasses import dataclass, fields
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
-from sar_bridge.follower import STEP_S, FollowerTuning, Route, follow
+from sar_bridge.escapes import Apart, Escape, apart, climb_m, ends, worth
+from sar_bridge.follower import STEP_S, FollowerTuning, Route, Vector, follow
 from sar_bridge.helicopter_futures import Future, Habits, Helicopter
 from sar_estimator.states import FloatArray, Motion, Phase
 
 CAUTION_SHARE, WARNING_SHARE, ESCAPE_SHARE = 0.85, 0.75, 0.65
-HEADINGS = 12
 BETTER_M = 5.0
-MUCH_BETTER_M = 30.0
+BETTER_WAY_M = 15.0
 RECHOOSE_S = 2.0
-CLIMB_MPS = 2.5
+LED_MPS = 4.0
+LED_S = 5.0
 FARTHEST_M = 100_000.0
 
 
@@ -137,26 +137,7 @@ def _distance(approach: Approach) -> float:
     return approach.distance_m
 
 
-class Apart(NamedTuple):
-    """How far a path is from a future [m], and the standard deviation of that, shapes (n,)."""
-
-    future: Future
-    distance_m: FloatArray
-    sigma_m: FloatArray
-
-
 NO_APPROACH = Approach(math.inf, 0.0, "")
-
-
-@dataclass(frozen=True)
-class Escape:
-    """Where the UAV is sent: ``points``, shape (1, 2) [m], and how much it climbs [m]."""
-
-    number: int
-    time_s: float
-    points: FloatArray
-    climb_m: float
-    predicted_m: float
 
 
 class SeparationMonitor:
@@ -174,6 +155,7 @@ class SeparationMonitor:
         self.helicopter = Helicopter(habits)
         self.tuning = FollowerTuning()
         self.uav: Motion | None = None
+        self.wind_mps: Vector = (0.0, 0.0)
         self.above_m = 0.0
         self.alert = Alert.NONE
         self.nearest = NO_APPROACH
@@ -190,7 +172,7 @@ class SeparationMonitor:
         self._near_since_s = self._conflict_since_s = math.inf
         self._sure_s = math.inf
         self._chosen_s = -math.inf
-        self._escapes = 0
+        self._off_mps = 0.0
 
     # What is known -----------------------------------------------------------------------------
 
@@ -198,9 +180,18 @@ class SeparationMonitor:
         """Take the UAV's newest motion."""
         if not motion.is_finite():
             return
+        if self.uav is not None and motion.time_s > self.uav.time_s:
+            share = -math.expm1((self.uav.time_s - motion.time_s) / LED_S)
+            off = motion.speed_mps - self.helicopter.cruise_mps
+            self._off_mps += share * (off - self._off_mps)
         self.uav = motion
         if self._flown is not None:
             self._flown.advance(motion)
+
+    def set_wind(self, wind_mps: Vector) -> None:
+        """Take where the wind blows to, x and y [m/s]."""
+        if math.isfinite(math.hypot(*wind_mps)):
+            self.wind_mps = wind_mps
 
     def set_uploaded(self, stamp_s: float) -> None:
         """Take note that the autopilot flies the list of a stamp."""
@@ -284,47 +275,46 @@ class SeparationMonitor:
     def _near(self, route: Route, futures: list[Future], now_s: float) -> Approach:
         """Return how a route breaks what the gate asks for; ``NO_APPROACH`` where it does not."""
         p = self.parameters
-        apart = self._apart(self._path(route, now_s, p.horizon_s), futures)
-        likely = self._closest(apart, p.gate_sigmas, p.horizon_s, only_likely=True)
-        any_soon = self._closest(apart, p.gate_sigmas, p.possible_horizon_s)
+        near = self._apart(self._path(route, now_s, p.horizon_s), futures)
+        likely = self._closest(near, p.gate_sigmas, p.horizon_s, only_likely=True)
+        any_soon = self._closest(near, p.gate_sigmas, p.possible_horizon_s)
         if any_soon.distance_m < self.thresholds["escape_separation_m"]:
             return min(likely, any_soon, key=_distance)
         return likely if likely.distance_m < p.min_separation_m else NO_APPROACH
 
-    def _path(self, route: Route, now_s: float, horizon_s: float) -> FloatArray:
-        """Return where the UAV will be on a route, at the monitor's times from now on."""
+    def _path(
+        self, route: Route, now_s: float, horizon_s: float, *, sent: bool = False
+    ) -> FloatArray:
+        """Return where the UAV will be on a route, at the monitor's times from now on.
+
+        It is taken to go to the helicopter's speed, as it is led, while it is seen to; where it
+        does not, or is ``sent`` away, to keep its airspeed.
+        """
         uav = self.uav
         assert uav is not None
+        led = not sent and self.escape is None and abs(self._off_mps) < LED_MPS
         late_s = min(max(now_s - uav.time_s, 0.0), self.parameters.lost_s)
         skipped = round(late_s / STEP_S)
         path = follow(
             uav,
             route,
             tuning=self.tuning,
-            cruise_mps=self.helicopter.cruise_mps,
+            cruise_mps=self.helicopter.cruise_mps if led else None,
+            wind_mps=self.wind_mps,
             horizon_s=horizon_s + skipped * STEP_S,
         )
         return path[skipped:]
 
     def _apart(self, path: FloatArray, futures: list[Future]) -> list[Apart]:
-        """Return how far a path is from every future, and how sure that is."""
-        count, beside = len(path), self.parameters.follow_sigma_m
-        return [
-            Apart(
-                future,
-                np.hypot(*(path - future.positions[:count]).T),
-                np.hypot(future.sigma_m[:count], beside),
-            )
-            for future in futures
-        ]
+        return apart(path, futures, self.parameters.follow_sigma_m)
 
     def _closest(
-        self, apart: list[Apart], sigmas: float, horizon_s: float, *, only_likely: bool = False
+        self, near: list[Apart], sigmas: float, horizon_s: float, *, only_likely: bool = False
     ) -> Approach:
         """Return the closest approach to any future, ``sigmas`` standard deviations added."""
         count = round(horizon_s / STEP_S) + 1
         found = NO_APPROACH
-        for future, distance, sigma in apart:
+        for future, distance, sigma in near:
             if only_likely and not future.likely:
                 continue
             bound = distance[:count] + sigmas * sigma[:count]
@@ -344,13 +334,14 @@ class SeparationMonitor:
         if now_s - self.uav.time_s > p.stale_s:
             return None  # where it is is not known, and nothing would reach it
         futures = self.helicopter.futures(now_s, self._times)
-        apart = self._apart(self._path(self._flown, now_s, p.alert_horizon_s), futures)
-        soon = self._closest(apart, -p.guard_sigmas, p.possible_horizon_s)
-        later = self._closest(apart, p.gate_sigmas, p.escape_horizon_s, only_likely=True)
-        self.nearest = self._closest(apart, 0.0, p.alert_horizon_s, only_likely=True)
+        near = self._apart(self._path(self._flown, now_s, p.alert_horizon_s), futures)
+        soon = self._closest(near, -p.guard_sigmas, p.possible_horizon_s)
+        later = self._closest(near, p.gate_sigmas, p.escape_horizon_s, only_likely=True)
+        self.nearest = self._closest(near, 0.0, p.alert_horizon_s, only_likely=True)
         lost_s = self._lost_for(now_s, self.helicopter.motion)
         if self.escape is not None:
-            return self._escaping(futures, min(soon, later, key=_distance), now_s)
+            least_m = min(soon.distance_m, later.distance_m)
+            return self._escaping(futures, near, least_m, now_s)
         why = self._conflict(soon, later, now_s)
         if not why and lost_s > p.lost_s:
             why = f"helicopter's position lost for {lost_s:.0f} s"
@@ -402,11 +393,16 @@ class SeparationMonitor:
             self.counts[alert] += 1
         self.alert = alert
 
-    def _escaping(self, futures: list[Future], soon: Approach, now_s: float) -> Escape | None:
-        """Hand back when all has been well for a while; else see whether another way is better."""
+    def _escaping(
+        self, futures: list[Future], near: list[Apart], least_m: float, now_s: float
+    ) -> Escape | None:
+        """Hand back when all has been well for a while; else see whether another way is better.
+
+        ``near``, ``least_m``: how far apart the way being flown keeps the two, and at least soon.
+        """
         p = self.parameters
         known = not self._unknown(now_s)
-        if known and soon.distance_m >= p.min_separation_m:
+        if known and least_m >= p.min_separation_m:
             self._clear_since_s = min(self._clear_since_s, now_s)
             if now_s - self._clear_since_s >= p.clear_s:
                 self.escape, self.reason = None, ""
@@ -416,57 +412,35 @@ class SeparationMonitor:
         if now_s - self._chosen_s < RECHOOSE_S or not known:
             return None
         self._chosen_s = now_s
-        best = self._best_way(futures, now_s)
-        if best.predicted_m > soon.distance_m + MUCH_BETTER_M:
-            return self._take(best)
-        return None
+        held = worth(near, p.guard_sigmas, p.escape_horizon_s).value_m
+        best, value_m = self._best_way(futures, now_s)
+        return self._take(best) if value_m > held + BETTER_WAY_M else None
 
     def _send_away(self, futures: list[Future], now_s: float) -> Escape:
         self._set_alert(Alert.ESCAPE)
         self._chosen_s = now_s
         self._clear_since_s = math.inf
-        return self._take(self._best_way(futures, now_s))
+        return self._take(self._best_way(futures, now_s)[0])
 
     def _take(self, escape: Escape) -> Escape:
         assert self.uav is not None
-        self._escapes += 1
         self.escape = escape
         self._cleared.clear()
         self._flown = Route(escape.points, self.uav)
         return escape
 
-    def _best_way(self, futures: list[Future], now_s: float) -> Escape:
-        """Return the escape with the greatest least separation, over all futures.
-
-        Straight away in one of ``HEADINGS`` directions, at this height or climbing.
-        """
+    def _best_way(self, futures: list[Future], now_s: float) -> tuple[Escape, float]:
+        """Return the escape that is worth most, at this height or climbing, and its worth [m]."""
         assert self.uav is not None
-        p, uav = self.parameters, self.uav
-        rise = np.minimum(CLIMB_MPS * self._times, p.escape_climb_m)
-        found: list[tuple[float, float, FloatArray]] = []
-        for i in range(HEADINGS):
-            course = uav.course_rad + 2.0 * math.pi * i / HEADINGS
-            reach = p.escape_reach_m * np.array((math.cos(course), math.sin(course)))
-            end = np.array([[uav.x_m, uav.y_m]]) + reach
-            path = self._path(Route(end, uav), now_s, p.alert_horizon_s)
-            flat = self._least_flat(path, futures)
-            for climb, up in ((0.0, np.zeros_like(flat)), (p.escape_climb_m, rise[: len(flat)])):
-                least = float(np.sqrt(flat**2 + (self.above_m + up) ** 2).min())
-                found.append((least, climb, end))
-        best = max(found, key=lambda option: option[0])
-        return Escape(self._escapes + 1, now_s, best[2], best[1], best[0])
-
-    def _least_flat(self, path: FloatArray, futures: list[Future]) -> FloatArray:
-        """Return the horizontal distance [m] to the nearest future, shape (n,), less the doubt."""
-        count, sigmas = len(path), self.parameters.guard_sigmas
-        distances: FloatArray = np.min(
-            [
-                np.hypot(*(path - future.positions[:count]).T) - sigmas * future.sigma_m[:count]
-                for future in futures
-            ],
-            axis=0,
-        )
-        return np.maximum(distances, 0.0)
+        p = self.parameters
+        found = []
+        for end in ends(self.uav, p.escape_reach_m):
+            path = self._path(Route(end, self.uav), now_s, p.alert_horizon_s, sent=True)
+            near = self._apart(path, futures)
+            found.append((worth(near, p.guard_sigmas, p.escape_horizon_s), near, end))
+        best, near, end = max(found, key=lambda way: way[0].value_m)
+        climb = climb_m(near, self.above_m, p.escape_climb_m)
+        return Escape(now_s, end, climb, best.least_m), best.value_m
 
 
 def monitor_text(monitor: SeparationMonitor) -> str:

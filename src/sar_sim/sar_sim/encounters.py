@@ -208,6 +208,7 @@ class _Flight:
         now, known = self.world.time_s, self.estimator
         tell_monitor(self.monitor, known.predict(now), known.phase(now), known.corner, known.leg)
         self.monitor.set_uav(self.world.autopilot.motion.stamped(now))
+        self.monitor.set_wind(self.world.autopilot.wind_estimate_mps)
 
     def _load(self, points: FloatArray, stamp_s: float, climb_m: float) -> None:
         if self._gated:

@@ -282,7 +282,8 @@ class OfflineFlight:
         uav = motion_as_told(autopilot.motion.stamped(self.now_s), autopilot.state.heading_rad)
         self.planner.set_uav(uav)
         self.monitor.set_uav(uav)
-        self.planner.set_wind(self.world.autopilot.wind_estimate_mps)
+        self.planner.set_wind(autopilot.wind_estimate_mps)
+        self.monitor.set_wind(autopilot.wind_estimate_mps)
         phase = source.phase(self.now_s)
         if phase != self._phase:
             self._phase = phase

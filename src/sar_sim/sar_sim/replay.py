@@ -225,6 +225,7 @@ class MonitorReplay(_Module):
         self._handlers = {
             topics.HELICOPTER_ODOMETRY: self._on_tick,
             topics.UAV_ODOMETRY: lambda _, m: self._monitor.set_uav(odometry_to_motion(m)),
+            topics.WIND: lambda _, m: self._monitor.set_wind((m.vector.x, m.vector.y)),
             topics.LEG: lambda _, m: watched.set_leg(odometry_to_leg(m)),
             topics.CORNER: self._on_corner,
             topics.PREDICTION: self._on_prediction,
