@@ -259,7 +259,7 @@ def test_a_uav_that_is_not_led_to_the_helicopters_speed_is_not_taken_to_reach_it
     bench.monitor.update(0.0)
     believed_m = bench.monitor.nearest.distance_m
     assert believed_m > 200.0  # it has only begun to be led
-    bench.fly(8.0)
+    bench.fly(12.0)
     assert bench.monitor.nearest.distance_m < 110.0
 
 

@@ -1,6 +1,7 @@
 """What the planner makes of what it is told: the motion to come in every phase."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -80,8 +81,25 @@ def test_speeding_up_it_goes_where_it_is_going(turn_deg, believed):
         15.0 * math.cos(out), 15.0 * math.sin(out),
     )  # fmt: skip
     known = situation(Phase.ACCELERATING, there, corner=estimate())
-    (forecast,) = known.forecasts(115.0)
-    assert math.degrees(forecast.leg.heading_rad) == pytest.approx(believed, abs=0.01)
+    for forecast in known.forecasts(115.0):
+        assert math.degrees(forecast.leg.heading_rad) == pytest.approx(believed, abs=0.01)
+
+
+def test_speeding_up_it_may_have_left_earlier_than_is_seen():
+    """By two seconds, but not before it stood."""
+    for stood_s, early_s in ((80.0, 2.0), (110.0, 1.0), (111.0, 0.0)):
+        there = Motion(115.0, 80.0, -20.0, 0.0, -10.0)  # 4 s after it left
+        known = situation(
+            Phase.ACCELERATING, there, corner=replace(estimate(), stop_time_s=stood_s)
+        )
+        seen, *others = known.forecasts(115.0)
+        assert len(others) == (early_s > 0.0)
+        for early in others:
+            assert early.positions([200.0])[0][1] == pytest.approx(
+                seen.positions([200.0])[0][1] - 20.0 * early_s
+            )
+    fast = situation(Phase.ACCELERATING, Motion(115.0, 80.0, -90.0, 0.0, -20.0), corner=estimate())
+    assert len(fast.forecasts(115.0)) == 1
 
 
 def test_a_corner_that_was_none_is_forgotten():

@@ -60,7 +60,7 @@ class Escape:
 
 @dataclass(frozen=True, slots=True)
 class Worth:
-    """What a way is worth: the least separation it keeps, and how far away it leads [m]."""
+    """What a way is worth: the least separation it keeps, and from all possible at its end [m]."""
 
     least_m: float
     away_m: float
@@ -80,8 +80,7 @@ def worth(near: list[Apart], sigmas: float, possible_s: float) -> Worth:
     least = away = math.inf
     for future, distance, sigma in near:
         bound = distance - sigmas * sigma
-        if future.likely:
-            away = min(away, float(bound[-1]))
+        away = min(away, float(bound[-1]))
         least = min(least, float((bound if future.likely else bound[:soon]).min()))
     return Worth(max(least, 0.0), max(away, 0.0))
 

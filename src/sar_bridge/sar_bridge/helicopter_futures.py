@@ -27,7 +27,7 @@ EXPECTED_SIGMA_MPS = 1.2
 CONTRADICTION = 3.0
 CONTRADICTED_LEG = 5.0
 ACCEL_SHARE_SIGMA = 0.15
-HURRY = 1.6
+HURRY, HURRYING = 1.3, 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,18 +256,23 @@ class Helicopter:
         here = self._here(motion, ahead_s)
         out = self._way_out(here)
         forward = max(0.0, motion.speed_mps * math.cos(motion.course_rad - out.heading_rad))
-        if forward - self.cruise_mps < CONTRADICTION * self._velocity_sigma_mps:
+        above, sigma = forward - self.cruise_mps, self._velocity_sigma_mps
+        if above < CONTRADICTION * sigma:
             forward = min(forward, self.cruise_mps)
         fastest = max(self.cruise_mps, forward)
         run = _run(times, forward, self.habits.accel_mps2, fastest)
-        hurry = _run(times, forward, self.habits.accel_mps2, max(HURRY * self.cruise_mps, fastest))
         slowing = self._stopping(here, forward, now_s, times)[0]
         spread = self._ramp_spread(times)
-        return [
+        found = [
             Future("speeds up", _along(out, run), np.hypot(spread, 0.05 * run), likely=True),
-            Future("hurries on", _along(out, hurry), np.hypot(spread, 0.05 * hurry)),
             Future("stops again", slowing, spread),
         ]
+        if above > HURRYING * sigma:  # it is about to fly faster than it did before
+            top = max(HURRY * self.cruise_mps, fastest)
+            hurry = _run(times, forward, self.habits.accel_mps2, top)
+            bound = np.full_like(spread, self._position_sigma_m)
+            found.append(Future("hurries on", _along(out, hurry), bound))
+        return found
 
     def _way_out(self, here: Pose) -> Pose:
         """Return where it is on the line on which it leaves its stop.

@@ -17,7 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from sar_bridge.escapes import Apart, Escape, apart, climb_m, ends, worth
+from sar_bridge.escapes import Apart, Escape, Worth, apart, climb_m, ends, worth
 from sar_bridge.follower import STEP_S, FollowerTuning, Route, Vector, follow
 from sar_bridge.helicopter_futures import Future, Habits, Helicopter
 from sar_estimator.states import FloatArray, Motion, Phase
@@ -27,7 +27,7 @@ BETTER_M = 5.0
 BETTER_WAY_M = 15.0
 RECHOOSE_S = 2.0
 LED_MPS = 4.0
-LED_S = 5.0
+LED_S = 15.0
 FARTHEST_M = 100_000.0
 
 
@@ -412,7 +412,7 @@ class SeparationMonitor:
         if now_s - self._chosen_s < RECHOOSE_S or not known:
             return None
         self._chosen_s = now_s
-        held = worth(near, p.guard_sigmas, p.escape_horizon_s).value_m
+        held = self._worth(near).value_m
         best, value_m = self._best_way(futures, now_s)
         return self._take(best) if value_m > held + BETTER_WAY_M else None
 
@@ -429,6 +429,12 @@ class SeparationMonitor:
         self._flown = Route(escape.points, self.uav)
         return escape
 
+    def _worth(self, near: list[Apart]) -> Worth:
+        """Return what a path is worth; where the helicopter is lost all that is possible lasts."""
+        p = self.parameters
+        lost = self.helicopter.phase is Phase.LOST
+        return worth(near, p.guard_sigmas, p.alert_horizon_s if lost else p.escape_horizon_s)
+
     def _best_way(self, futures: list[Future], now_s: float) -> tuple[Escape, float]:
         """Return the escape that is worth most, at this height or climbing, and its worth [m]."""
         assert self.uav is not None
@@ -437,7 +443,7 @@ class SeparationMonitor:
         for end in ends(self.uav, p.escape_reach_m):
             path = self._path(Route(end, self.uav), now_s, p.alert_horizon_s, sent=True)
             near = self._apart(path, futures)
-            found.append((worth(near, p.guard_sigmas, p.escape_horizon_s), near, end))
+            found.append((self._worth(near), near, end))
         best, near, end = max(found, key=lambda way: way[0].value_m)
         climb = climb_m(near, self.above_m, p.escape_climb_m)
         return Escape(now_s, end, climb, best.least_m), best.value_m

@@ -21,6 +21,7 @@ EXPECTED_HEADING_SIGMA_RAD = math.radians(2.0)
 EXPECTED_LINE_SIGMA_M = 4.0
 CONTRADICTION = 3.0
 UNSEEN_S = 5.0
+SEEN_LATE_S = 2.0
 
 
 def _weighed(value: float, sigma: float, expected: float, expected_sigma: float) -> float:
@@ -226,7 +227,13 @@ class Situation:
             else 0.0
         )
         start = line.offset(along + forward * (now_s - helicopter.time_s))
-        return (departing(now_s, start, min(forward, speed), speed_mps=speed, accel_mps2=accel),)
+        seen = departing(now_s, start, min(forward, speed), speed_mps=speed, accel_mps2=accel)
+        if estimate is None or self.went_on or forward >= speed:
+            return (seen,)
+        left_s = now_s - forward / accel
+        early_s = max(estimate.stop_time_s, left_s - SEEN_LATE_S)
+        early = departing(early_s, line, 0.0, speed_mps=speed, accel_mps2=accel)
+        return (seen, early) if early_s < left_s else (seen,)
 
     def _right_angle(self, stop: Pose) -> Pose:
         """Return how a corner is expected to be left: turned to the pattern's side."""
