@@ -41,6 +41,14 @@ def test_waypoints_behind_are_left_out():
     assert path_waypoints(path, 10.0, from_m=1000.0).shape == (0, 2)
 
 
+@pytest.mark.parametrize("rounding", [-1e-9, 0.0, 1e-9])
+def test_a_lead_in_that_ends_where_the_list_begins_is_left_out_whatever_the_rounding(rounding):
+    path = FlightPath.of(Pose(0, 0, 0), [Straight(50.0), Arc(100.0, 1.0)])
+    points = path_waypoints(path, 10.0, from_m=50.0 + rounding)
+    assert len(points) == 10
+    assert points[0][0] > 55.0
+
+
 def test_points_on_top_of_each_other_are_thinned_and_the_last_stays():
     points = np.array([[0.0, 0.0], [0.01, 0.0], [3.0, 0.0], [40.0, 0.0], [41.0, 0.0]])
     assert thinned(points, 5.0).tolist() == [[0.0, 0.0], [41.0, 0.0]]

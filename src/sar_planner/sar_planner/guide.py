@@ -27,6 +27,7 @@ import numpy as np
 
 from sar_planner.air import AirEnvelope
 from sar_planner.geometry import Arc, FlightPath, FloatArray
+from sar_planner.waypoints import EDGE_M
 
 CALM = AirEnvelope()
 SLOWEST_SHARE = 0.3
@@ -84,7 +85,7 @@ class Guide:
     def waypoints(self, spacing_m: float, *, from_m: float = 0.0) -> FloatArray:
         """Return waypoints, shape (n, 2) [m], no further apart than ``spacing_m`` where it bends.
 
-        Points closer to the start than ``from_m`` [m] are left out.
+        Points no further from the start than ``from_m`` [m] are left out.
         """
         ends, headings = _joints(self.path)
         marks = [0.0, *(end - self.lead_m for end in ends[1:-1] if end > self.lead_m), ends[-1]]
@@ -97,7 +98,7 @@ class Guide:
             chosen += [begin + (until - begin) * (i + 1) / count for i in range(count)]
             if until < end:
                 chosen.append(end)
-        stations = np.array([at for at in chosen if at > max(from_m, FIRST_M)])
+        stations = np.array([at for at in chosen if at > max(from_m + EDGE_M, FIRST_M)])
         if len(stations) == 0:
             stations = np.array([self.path.length_m])
         offsets = np.interp(stations, self.stations_m, self.offsets_m)

@@ -8,6 +8,9 @@ import numpy as np
 
 from sar_planner.geometry import Arc, FlightPath, FloatArray
 
+# A lead-in often ends just where the list begins: which side of it must not hang on rounding.
+EDGE_M = 1e-3
+
 
 def arc_offsets(arc: Arc, spacing_m: float) -> tuple[int, float]:
     """Return how many chords an arc is cut into and the radius [m] its waypoints stand on.
@@ -24,8 +27,9 @@ def path_waypoints(path: FlightPath, spacing_m: float, *, from_m: float = 0.0) -
     """Return waypoints, shape (n, 2) [m], along a path.
 
     The ends of every segment, and points on its arcs no further apart than ``spacing_m`` (0: only
-    the ends, as in the paper). Points closer to the start than ``from_m`` [m] are left out.
+    the ends, as in the paper). Points no further from the start than ``from_m`` [m] are left out.
     """
+    after_m = from_m + EDGE_M
     kept: list[FloatArray] = []
     begun = 0.0
     for start, end, segment in zip(path.joints, path.joints[1:], path.segments, strict=False):
@@ -34,9 +38,9 @@ def path_waypoints(path: FlightPath, spacing_m: float, *, from_m: float = 0.0) -
             angles = np.arange(1, chords) / chords * segment.length_m
             centre = np.array(segment.centre(start))
             inner = centre + (segment.points(start, angles) - centre) * radius / segment.radius_m
-            kept += [point for point, at in zip(inner, angles, strict=True) if begun + at > from_m]
+            kept += [point for point, at in zip(inner, angles, strict=True) if begun + at > after_m]
         begun += segment.length_m
-        if begun > from_m:
+        if begun > after_m:
             kept.append(np.array((end.x_m, end.y_m)))
     return np.array(kept).reshape(-1, 2)
 
