@@ -2,6 +2,8 @@
 
 from hypothesis import settings
 
-# How long an example takes is measured in benchmarks, never in a test.
-settings.register_profile("untimed", deadline=None)
-settings.load_profile("untimed")
+# How long an example takes is measured in benchmarks, never in a test. Every run draws the same
+# examples; to search on: --hypothesis-profile explore.
+settings.register_profile("explore", deadline=None)
+settings.register_profile("seeded", deadline=None, derandomize=True)
+settings.load_profile("seeded")

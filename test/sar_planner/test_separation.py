@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -73,4 +75,4 @@ def test_the_distance_looked_at_in_steps_is_hardly_above_the_closest_approach(la
     )
     found = least_apart_m(path, (corner, longer), start_s=1.0, speed_mps=18.0)
     # Less where it looks a last step beyond the end, the helicopter 2 m/s faster.
-    assert least - 0.4 <= found <= least + 16.0 / (2.0 * max(least, 8.0)) + 0.2
+    assert least - 0.4 <= found <= math.hypot(least, 4.0) + 0.2
