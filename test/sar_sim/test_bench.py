@@ -7,7 +7,7 @@ import time
 import pytest
 
 from sar_sim import bench_cli
-from sar_sim.bench import Figure, as_json, cpu_ticks, delays, memory_kb
+from sar_sim.bench import Figure, as_json, cpu_ticks, delays, memory_kb, node_name
 
 
 def test_a_figure_is_met_or_not():
@@ -41,6 +41,15 @@ def test_memory_and_cpu_time_are_read_as_the_kernel_tells_them():
     assert 20.0 < memory < 2000.0
 
 
+def test_a_node_is_known_by_its_command():
+    command = (
+        "/usr/bin/python3\0/ws/install/lib/sar_planner/planner\0--ros-args\0--params-file\0x\0"
+    )
+    assert node_name(command) == "planner"
+    assert node_name("/usr/bin/python3\0-m\0sar_sim.launch_cli\0--out\0x\0") is None
+    assert node_name("") is None
+
+
 def test_delays_are_of_lists_that_were_made_for_a_fix():
     fixes = [10.0, 11.0, 12.0]
     lists = {1.0: 10.02, 2.0: 11.9, 3.0: 12.05, 4.0: 9.0}
@@ -72,6 +81,23 @@ def test_a_flight_that_fails_is_one_line(monkeypatch, capsys):
     monkeypatch.setattr(bench_cli, "_used", lambda _: (0.0, 0.0))
     assert bench_cli.main(["--only", "load"]) == 1
     assert capsys.readouterr().err.startswith("bench: the flight failed: ")
+
+
+@pytest.mark.graph
+@pytest.mark.timeout(120)
+def test_memory_is_told_for_every_node(monkeypatch, tmp_path):
+    monkeypatch.setenv("ROS_DOMAIN_ID", "97")
+    for name, value in (("SETTLING_S", 8.0), ("GROWN_S", 20.0), ("SAMPLE_S", 1.0)):
+        monkeypatch.setattr(bench_cli, name, value)
+    flown, *sizes = bench_cli.graph_memory(tmp_path, 0.02)
+    assert 0.005 < flown.value < 0.1
+    began = {one.what.split(",")[0]: one.value for one in sizes[::2]}
+    grown = {one.what.split(",")[0]: one.value for one in sizes[1::2]}
+    assert (
+        {"sim", "estimator", "planner", "monitor", "bridge", "record"} == set(began) == set(grown)
+    )
+    assert all(10.0 < size < 300.0 for size in began.values())
+    assert all(0.0 <= more < 50.0 for more in grown.values())
 
 
 @pytest.mark.graph

@@ -55,6 +55,13 @@ def cpu_ticks(stat: str) -> int:
     return int(fields[11]) + int(fields[12])
 
 
+def node_name(cmdline: str) -> str | None:
+    """Return which node a process is, from its ``cmdline`` (proc(5)); None for any other."""
+    words = cmdline.split("\0")
+    at = words.index("--ros-args") if "--ros-args" in words else 0
+    return words[at - 1].rsplit("/", 1)[-1] if at else None
+
+
 def delays(
     fixes_s: list[float], lists_s: dict[float, float], accepted_s: dict[float, float], most_s: float
 ) -> list[tuple[float, float]]:

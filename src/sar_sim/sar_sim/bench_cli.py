@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import subprocess
 import sys
@@ -15,18 +16,19 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import yaml
 from filterpy.kalman import KalmanFilter
 
 from sar_estimator.estimator import HelicopterEstimator
 from sar_estimator.parameters import EstimatorParameters
 from sar_planner.benchmark_cli import LISTS, replan_times_ms
-from sar_sim.bench import Figure, as_json, cpu_ticks, memory_kb
+from sar_sim.bench import Figure, as_json, cpu_ticks, memory_kb, node_name
 from sar_sim.missions import fly
 from sar_sim.options import find_scenario
 from sar_sim.pool import Workers
 from sar_sim.probe_node import bare_delays_s, graph_delays_s
 from sar_sim.processes import launch_command
-from sar_sim.scenario import Pattern, Scenario, load_scenario
+from sar_sim.scenario import Pattern, Scenario, load_scenario, scenario_document
 from sar_sim.world import World
 
 REPLANS = 2000
@@ -34,7 +36,9 @@ LAGS_M = (-150.0, 1000.0)
 LEG_M = 1500.0
 POOL_MISSIONS = 4
 SETTLING_S, SAMPLED_S = 20.0, 60.0
+LONG_SPEED, GROWN_S, SAMPLE_S = 10.0, 600.0, 10.0
 PATIENCE_S = 600.0
+UNASKED = ("estimator", "replan", "campaign", "load", "speed", "chain")
 
 
 def estimator() -> Iterator[Figure]:
@@ -115,6 +119,11 @@ def _launch(out: Path, *options: str) -> subprocess.Popen[str]:
     )
 
 
+def _end(flight: subprocess.Popen[str]) -> None:
+    flight.terminate()
+    _finish(flight)
+
+
 def _finish(flight: subprocess.Popen[str]) -> None:
     _, errors = flight.communicate(timeout=PATIENCE_S)
     if flight.returncode != 0:
@@ -149,10 +158,44 @@ def graph_load(scratch: Path) -> Iterator[Figure]:
         after, memory = _used(flight.pid)
         share = (after - before) / (time.monotonic() - begun)
     finally:
-        flight.terminate()
-    _finish(flight)
+        _end(flight)
     yield Figure("graph", "CPU at real time, of one core", 100.0 * share, "%", 30.0)
     yield Figure("graph", "memory, proportional set size of all processes", memory, "MB", 600.0)
+
+
+def _nodes_mb(process: int) -> dict[str, float]:
+    """Return the memory [MB] of every node that comes from a process, as of now."""
+    found = {}
+    for one in _family(process):
+        name = node_name(Path(f"/proc/{one}/cmdline").read_text("utf-8"))
+        if name is not None:
+            rollup = Path(f"/proc/{one}/smaps_rollup").read_text("utf-8")
+            found[name] = memory_kb(rollup) / 1024.0
+    return found
+
+
+def graph_memory(scratch: Path, hours: float) -> Iterator[Figure]:
+    """Fly the whole graph for hours, faster than real time: what every node grows by."""
+    file, seconds = scratch / "long.yaml", 3600.0 * hours
+    corners = math.ceil(seconds * _long(1).corner.speed_mps / LEG_M)
+    file.write_text(yaml.safe_dump(scenario_document(_long(corners))), encoding="utf-8")
+    out = scratch / "memory"
+    flight = _launch(out, "--scenario", str(file), "--speed", str(LONG_SPEED))
+    sizes: dict[str, list[float]] = {}
+    try:
+        time.sleep(SETTLING_S + GROWN_S / LONG_SPEED)
+        until = time.monotonic() + (seconds - GROWN_S) / LONG_SPEED
+        while time.monotonic() < until and flight.poll() is None:
+            for name, size in _nodes_mb(flight.pid).items():
+                sizes.setdefault(name, []).append(size)
+            time.sleep(SAMPLE_S)
+    finally:
+        _end(flight)
+    flown_s = json.loads((out / "metrics.json").read_text("utf-8"))["duration_s"]
+    yield Figure("memory", "flown", flown_s / 3600.0, "h", hours, at_least=True)
+    for name, found in sizes.items():
+        yield Figure("memory", f"{name}, {GROWN_S / 60.0:.0f} min into the flight", found[0], "MB")
+        yield Figure("memory", f"{name}, most after that, more", max(found) - found[0], "MB", 10.0)
 
 
 def graph_speed(scratch: Path) -> Iterator[Figure]:
@@ -187,6 +230,9 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--json", type=Path, help="write the figures to this file, too")
     parser.add_argument("--only", nargs="+", default=[], help="these parts")
     parser.add_argument(
+        "--hours", type=float, default=8.0, help="of flight that memory, only on demand, looks at"
+    )
+    parser.add_argument(
         "--corners", type=int, nargs="+", default=[10, 100], help="missions' lengths; up to 1000"
     )
     args = parser.parse_args(argv)
@@ -199,6 +245,7 @@ def main(argv: list[str] | None = None) -> int:
             "load": partial(graph_load, scratch),
             "speed": partial(graph_speed, scratch),
             "chain": partial(chain, scratch),
+            "memory": partial(graph_memory, scratch, args.hours),
         }
         unknown = [name for name in args.only if name not in parts]
         if unknown:
@@ -206,7 +253,7 @@ def main(argv: list[str] | None = None) -> int:
         figures: list[Figure] = []
         try:
             for name, measure in parts.items():
-                for figure in measure() if not args.only or name in args.only else ():
+                for figure in measure() if name in (args.only or UNASKED) else ():
                     figures.append(figure)
                     sys.stdout.write(figure.row() + "\n")
                     sys.stdout.flush()
