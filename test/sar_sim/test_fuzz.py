@@ -1,4 +1,4 @@
-"""Scenarios and bags with bytes turned: one line that says so, or a flight; never a crash.
+"""Scenarios, parameter files, bags with bytes turned: a line that says so, or a flight; no crash.
 
 ``SAR_FUZZ_INPUTS`` inputs of each kind, seeded (a hundredth of them for bags).
 """
@@ -14,10 +14,11 @@ from sar_sim.bag import BAG_ERRORS, BagWriter
 from sar_sim.flight_data import read_flight
 from sar_sim.launch_plan import read_tuned
 from sar_sim.offline import OfflineFlight
-from sar_sim.scenario import Scenario, ScenarioError, load_scenario
+from sar_sim.scenario import Scenario, ScenarioError, load_scenario, read_document
 
 INPUTS = int(os.environ.get("SAR_FUZZ_INPUTS", "2000"))
-SCENARIOS = sorted((Path(__file__).parents[2] / "config" / "scenarios").glob("*.yaml"))
+CONFIG = Path(__file__).parents[2] / "config"
+SCENARIOS = sorted((CONFIG / "scenarios").glob("*.yaml"))
 WORDS = (
     b"nan",
     b"-1",
@@ -53,22 +54,31 @@ def turned(rng, data):
     return bytes(data)
 
 
-def refusal(path):
+def read_parameters(path):
+    return read_tuned(read_document(path), str(path))
+
+
+def refusal(read, kind, path):
     try:
-        assert isinstance(load_scenario(path), Scenario)
+        assert isinstance(read(path), kind)
     except ScenarioError as error:
         return str(error)
     return ""
 
 
-def test_scenarios(tmp_path):
+@pytest.mark.parametrize(
+    ("read", "kind", "files"),
+    [(load_scenario, Scenario, SCENARIOS), (read_parameters, dict, [CONFIG / "params.yaml"])],
+    ids=["scenario", "parameters"],
+)
+def test_files_with_bytes_turned(tmp_path, read, kind, files):
     rng = np.random.default_rng(6)
     path = tmp_path / "s.yaml"
-    texts = [file.read_bytes() for file in SCENARIOS]
+    texts = [file.read_bytes() for file in files]
     refused = 0
     for _ in range(INPUTS):
         path.write_bytes(turned(rng, texts[rng.integers(len(texts))]))
-        told = refusal(path)
+        told = refusal(read, kind, path)
         refused += bool(told)
         assert "\n" not in told
         assert not told or told.startswith(str(path))

@@ -81,12 +81,18 @@ def test_combinations_that_make_no_flight(options, message):
 
 
 def test_parameter_files():
-    document = {"planner": {"ros__parameters": {"reaction_s": 1.0}}}
-    assert read_tuned(document, "p.yaml") == {"planner": {"reaction_s": 1.0}}
+    values = {"reaction_s": 1.0, "rules": "paper", "corners": 3, "on": True, "rows": [1.0, 2.0]}
+    document = {"planner": {"ros__parameters": values}}
+    assert read_tuned(document, "p.yaml") == {"planner": values}
     for bad, message in (
         ([1], "p.yaml: expected node names"),
         ({"pilot": {}}, "p.yaml: pilot: expected one of"),
         ({"planner": {"reaction_s": 1}}, "p.yaml: planner: expected a mapping ros__parameters"),
+        ({"planner": {"ros__parameters": {"reaction_s": None}}}, "planner: reaction_s = None: exp"),
+        ({"planner": {"ros__parameters": {"air": {"a": 1}}}}, "planner: air = {'a': 1}: expected"),
+        ({"planner": {"ros__parameters": {"rows": [1, "a"]}}}, "planner: rows = .*: expected"),
+        ({"planner": {"ros__parameters": {"rows": []}}}, "planner: rows = .*: expected"),
+        ({"planner": {"ros__parameters": {7: 1}}}, "planner: 7 = 1: expected"),
     ):
         with pytest.raises(ScenarioError, match=message):
             read_tuned(bad, "p.yaml")

@@ -61,6 +61,9 @@ def test_paper_scenario_is_the_default():
         ),
         ("faults: [{component: gps, kind: off, at_s: -1}]", "faults[0].at_s = -1.0: expected 0"),
         ("{", "not YAML"),
+        ("name: !!bool maybe", "not YAML"),
+        ("name: 2001-13-01", "not YAML"),
+        ("[" * 3000, "not YAML"),
         ("[1]", "expected a mapping"),
     ],
 )

@@ -39,7 +39,7 @@ from sar_sim.options import (
 from sar_sim.processes import NodeProcess, folder_bytes
 from sar_sim.report import write_report
 from sar_sim.report_cli import summary_line
-from sar_sim.scenario import NODES, Scenario, ScenarioError, scenario_document
+from sar_sim.scenario import NODES, Scenario, read_document, scenario_document
 from sar_sim.tracks import load_track
 
 TELL_TERMINAL_S, TELL_FILE_S = 0.5, 5.0
@@ -250,10 +250,7 @@ def prepare(args: argparse.Namespace) -> Flight:
     if options.recorded:
         load_track(Path(options.helicopter))
     file = args.params or scenario_folder().parent / "params.yaml"
-    try:
-        tuned = read_tuned(yaml.safe_load(file.read_text(encoding="utf-8")) or {}, str(file))
-    except (OSError, yaml.YAMLError) as error:
-        raise ScenarioError(f"{file}: {' '.join(str(error).split())}") from error
+    tuned = read_tuned(read_document(file), str(file))
     out = new_run_folder(args.out).resolve()
     flown = out / "scenario.yaml"
     flown.write_text(yaml.safe_dump(scenario_document(scenario)), encoding="utf-8")

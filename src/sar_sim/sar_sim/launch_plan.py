@@ -153,5 +153,16 @@ def read_tuned(document: object, name: str) -> dict[str, dict[str, Any]]:
         values = block.get("ros__parameters") if isinstance(block, dict) else None
         if not isinstance(values, dict):
             raise ScenarioError(f"{name}: {node}: expected a mapping ros__parameters")
+        for key, value in values.items():
+            if not isinstance(key, str) or not _is_value(value):
+                expected = "a number, a word, true or false, or a list of one kind of these"
+                raise ScenarioError(f"{name}: {node}: {key} = {value!r}: expected {expected}")
         tuned[node] = values
     return tuned
+
+
+def _is_value(value: object) -> bool:
+    """Whether ROS has parameters of this kind."""
+    items = value if isinstance(value, list) else [value]
+    alike = len({type(item) for item in items}) == 1
+    return alike and isinstance(items[0], bool | int | float | str)
