@@ -383,7 +383,7 @@ def read_document(path: Path) -> dict[str, Any]:
         loaded = yaml.safe_load(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise ScenarioError(f"{path}: {error.strerror}") from error
-    except Exception as error:  # noqa: BLE001 - PyYAML lets out whatever its constructors raise
+    except Exception as error:  # PyYAML lets out whatever its constructors raise
         raise ScenarioError(f"{path}: not YAML: {' '.join(str(error).split())}") from error
     document = {} if loaded is None else loaded
     if not isinstance(document, dict):
