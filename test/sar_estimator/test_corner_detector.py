@@ -3,7 +3,14 @@ import math
 import numpy as np
 import pytest
 
-from sar_estimator.corner_detector import AccelPrior, TrackRows, deviations, stop_posterior
+from sar_estimator.corner_detector import (
+    AccelPrior,
+    TrackRows,
+    deviation,
+    hypotheses,
+    moments,
+    stop_posterior,
+)
 
 PRIOR = AccelPrior(2.5, 0.3)
 
@@ -19,13 +26,41 @@ def slowing(times, onset=40.3, accel=2.0, speed=20.0):
 
 
 def test_deviation_is_the_shortfall_until_the_stop_and_beyond():
-    times = np.arange(0.0, 60.0)
-    shift = deviations(rows(times, times, 1.0), np.array([40.3]), np.array([2.0]), 20.0)
-    assert shift[0] == pytest.approx(slowing(times) - 20.0 * times)
-    speeds = deviations(
-        rows(times, times, 1.0, np.ones(60, dtype=bool)), np.array([40.3]), np.array([2.0]), 20.0
-    )
-    assert speeds[0][[40, 45, 59]] == pytest.approx([0.0, -9.4, -20.0])
+    for time in range(60):
+        shortfall = slowing(np.array([float(time)]))[0] - 20.0 * time
+        assert deviation(time - 40.3, False, 2.0, 20.0, 10.0) == pytest.approx(shortfall)
+    speeds = [deviation(time - 40.3, True, 2.0, 20.0, 10.0) for time in (40, 45, 59)]
+    assert speeds == pytest.approx([0.0, -9.4, -20.0])
+
+
+def test_moments_are_those_of_the_exact_likelihood_ratio():
+    rng = np.random.default_rng(2)
+    times = np.arange(0.0, 46.0)
+    is_speed = rng.random(46) < 0.3
+    values = np.where(is_speed, 20.0, slowing(times) + rng.standard_normal(46))
+    sigmas = rng.uniform(0.5, 2.0, 46)
+    onsets, (accels, log_prior) = np.arange(36.0, 45.0, 0.5), PRIOR.grid()
+    design = np.where(is_speed[:, None], (0.0, 1.0), np.column_stack((np.ones(46), times - 45.0)))
+    design /= sigmas[:, None]
+    off_design = np.eye(46) - design @ np.linalg.pinv(design)
+    weights, stops = [], []
+    for onset in onsets:
+        for accel, prior in zip(accels, log_prior, strict=True):
+            shape = np.array(
+                [
+                    deviation(t - onset, kind, accel, 20.0, 20.0 / accel)
+                    for t, kind in zip(times, is_speed, strict=True)
+                ]
+            )
+            free, slow = (off_design @ (x / sigmas) for x in (values, values - shape))
+            weights.append(0.5 * (free @ free - slow @ slow) + prior)
+            place, speed = np.linalg.lstsq(design, (values - shape) / sigmas)[0]
+            stops.append(place + speed * (onset - 45.0) + 0.5 * speed**2 / accel)
+    found = moments(hypotheses(times, values, sigmas, is_speed, 20.0, onsets, accels, log_prior))
+    peak = max(weights)
+    shares = np.exp(np.array(weights) - peak)
+    assert found[0, 0] == pytest.approx(peak + np.log(shares.sum()))
+    assert found[0, 4] == pytest.approx(shares @ np.array(stops) / shares.sum())
 
 
 @pytest.mark.parametrize("until", [44.0, 47.0, 50.0])

@@ -17,10 +17,14 @@ def straight(n, *, heading=0.6, speed=20.0, sigma=2.0, seed=0, start=0.0):
     ]
 
 
+def table(rows):
+    return np.array([(r.time_s, r.x, r.y, r.sigma, r.is_velocity) for r in rows], dtype=float)
+
+
 def test_fit_recovers_the_line_within_its_own_sigma():
     misses = []
     for seed in range(40):
-        fit, misfit = fit_rows(tuple(straight(30, seed=seed)))
+        fit, misfit = fit_rows(table(straight(30, seed=seed)))
         estimate = fit.estimate()
         assert misfit < 4.5
         misses.append((fit.heading_rad - 0.6) / estimate.heading_sigma_rad)
@@ -47,15 +51,15 @@ def test_old_course_is_forgotten_after_a_turn():
         fit = tracker.fit()
     assert fit is not None
     assert abs(fit.heading_rad) == pytest.approx(math.pi, abs=0.15)
-    assert fit.rows[0].time_s >= 27.0
+    assert fit.since_s >= 27.0
 
 
 def test_strays_tells_a_change_of_course_from_a_change_of_speed():
-    fit, _ = fit_rows(tuple(straight(30, heading=0.0, sigma=1.0)))
-    slower = tuple(
+    fit, _ = fit_rows(table(straight(30, heading=0.0, sigma=1.0)))
+    slower = table(
         LegRow(30.0 + t, 29.0 * 20.0 + 5.0 * t, 0.0, 1.0, is_velocity=False) for t in range(4)
     )
-    turning = tuple(
+    turning = table(
         LegRow(30.0 + t, 30.0 * 20.0 + 15.0 * t, 10.0 * t, 1.0, is_velocity=False) for t in range(4)
     )
     assert not fit.strays(slower)
@@ -64,8 +68,32 @@ def test_strays_tells_a_change_of_course_from_a_change_of_speed():
 
 def test_velocities_count_in_the_fit():
     rows = [*straight(8, heading=0.0, sigma=5.0), LegRow(7.0, 20.0, 0.0, 0.05, is_velocity=True)]
-    fit, _ = fit_rows(tuple(rows))
+    fit, _ = fit_rows(table(rows))
     assert fit.speed_mps == pytest.approx(20.0, abs=0.15)
-    projected = fit.project(tuple(rows))
+    projected = fit.project(table(rows))
     assert projected.is_speed.tolist() == [False] * 8 + [True]
     assert projected.values[-1] == pytest.approx(20.0, abs=0.01)
+
+
+def test_fit_is_the_weighted_least_squares_one():
+    rows = table([*straight(20, seed=3), LegRow(12.5, 11.0, 16.0, 0.5, is_velocity=True)])
+    rows = rows[np.argsort(rows[:, 0], kind="stable")]
+    age, fast = rows[:, :1] - rows[-1, 0], rows[:, 4:] > 0.0
+    design = np.where(fast, (0.0, 1.0), np.hstack((np.ones_like(age), age))) / rows[:, 3:4]
+    wanted, *_ = np.linalg.lstsq(design, rows[:, 1:3] / rows[:, 3:4])
+    fit, _ = fit_rows(rows)
+    assert fit.position_m == pytest.approx(wanted[0])
+    assert fit.velocity_mps == pytest.approx(wanted[1])
+    covariance = np.linalg.inv(design.T @ design)
+    assert fit.spread == pytest.approx((covariance[0, 0], covariance[0, 1], covariance[1, 1]))
+
+
+def test_a_long_leg_at_a_high_rate_keeps_its_window():
+    tracker = LegTracker(40.0)
+    for i in range(3000):
+        time = 0.41 * i
+        tracker.add(LegRow(time, 20.0 * time, 0.0, 1.0, is_velocity=False))
+        tracker.add(LegRow(time, 20.0, 0.0, 0.1, is_velocity=True))
+    kept = tracker.rows_since(-math.inf)
+    assert kept[-1, 0] - kept[0, 0] <= 40.0 < kept[-1, 0] - kept[0, 0] + 0.41
+    assert tracker.fit().since_s == kept[0, 0]

@@ -7,26 +7,37 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from sar_estimator.compiled import compiled
 from sar_estimator.states import FloatArray
 
 
+@compiled(
+    "Tuple((float64[:, ::1], UniTuple(float64, 3)))(float64[::1], boolean[::1], float64[::1])"
+)
 def constant_velocity(
     times_s: FloatArray, is_velocity: NDArray[np.bool_], sigmas: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return Q, shape (n, 2), and the inverse of R, shape (2, 2), of the weighted design QR.
+) -> tuple[FloatArray, tuple[float, float, float]]:
+    """Return Q, shape (n, 2), and the inverse of R (11, 12, 22), of the weighted design QR.
 
-    The unknowns are the position at time 0 and the velocity; each of the n measurements, of
+    The unknowns are the position at the last time and the velocity; each of the n measurements, of
     standard deviation ``sigmas``, is of the one or, where ``is_velocity``, of the other. At least
     one must be a position, and two must tell of the velocity. By Gram and Schmidt: two columns.
     """
-    weights = 1.0 / sigmas
-    first = np.where(is_velocity, 0.0, weights)
-    second = np.where(is_velocity, weights, times_s * weights)
-    r11 = math.sqrt(first @ first)
-    q = np.empty((len(times_s), 2))
-    q[:, 0] = first / r11
-    r12 = float(q[:, 0] @ second)
-    rest = second - r12 * q[:, 0]
-    r22 = math.sqrt(rest @ rest)
-    q[:, 1] = rest / r22
-    return q, np.array([[1.0 / r11, -r12 / (r11 * r22)], [0.0, 1.0 / r22]])
+    count = times_s.size
+    q = np.empty((count, 2))
+    r11 = r12 = r22 = 0.0
+    for i in range(count):
+        q[i, 0] = 0.0 if is_velocity[i] else 1.0 / sigmas[i]
+        q[i, 1] = (1.0 if is_velocity[i] else times_s[i] - times_s[count - 1]) / sigmas[i]
+        r11 += q[i, 0] * q[i, 0]
+    r11 = math.sqrt(r11)
+    for i in range(count):
+        q[i, 0] /= r11
+        r12 += q[i, 0] * q[i, 1]
+    for i in range(count):
+        q[i, 1] -= r12 * q[i, 0]
+        r22 += q[i, 1] * q[i, 1]
+    r22 = math.sqrt(r22)
+    for i in range(count):
+        q[i, 1] /= r22
+    return q, (1.0 / r11, -r12 / (r11 * r22), 1.0 / r22)

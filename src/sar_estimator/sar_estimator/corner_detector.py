@@ -10,11 +10,13 @@ gives the detection statistic and, afterwards, the posterior of the stop point a
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sar_estimator.compiled import compiled
 from sar_estimator.constant_velocity import constant_velocity
 from sar_estimator.states import FloatArray
 
@@ -38,12 +40,13 @@ class TrackRows:
     sigmas: FloatArray
     is_speed: NDArray[np.bool_]
 
-    def since(self, time_s: float) -> TrackRows:
-        """Return the rows from the first that is not older on."""
-        begin = int(np.searchsorted(self.times_s, time_s))
-        return TrackRows(
-            self.times_s[begin:], self.values[begin:], self.sigmas[begin:], self.is_speed[begin:]
-        )
+
+@lru_cache(maxsize=1)
+def _normal_grid() -> tuple[FloatArray, FloatArray]:
+    """Return standard deviations from the mean and their log weights. Not to be changed."""
+    z = np.linspace(-ACCEL_SIGMAS, ACCEL_SIGMAS, ACCEL_STEPS)
+    weights = np.exp(-0.5 * z**2)
+    return z, np.log(weights / weights.sum())
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +61,8 @@ class AccelPrior:
 
     def grid(self) -> tuple[FloatArray, FloatArray]:
         """Return accelerations [m/s^2] and log weights, both shape (ACCEL_STEPS,)."""
-        z = np.linspace(-ACCEL_SIGMAS, ACCEL_SIGMAS, ACCEL_STEPS)
-        weights = np.exp(-0.5 * z**2)
-        return self._median * np.exp(self.spread * z), np.log(weights / weights.sum())
+        z, log_weights = _normal_grid()
+        return self._median * np.exp(self.spread * z), log_weights
 
     @property
     def _median(self) -> float:
@@ -85,16 +87,101 @@ class StopPosterior:
     accel_sigma_mps2: float
 
 
-def deviations(
-    rows: TrackRows, onsets_s: FloatArray, accels_mps2: FloatArray, speed_mps: float
+@compiled("float64(float64, boolean, float64, float64, float64)")
+def deviation(
+    since_s: float,
+    is_speed: bool,  # noqa: FBT001 - compiled functions take arguments by position
+    accel_mps2: float,
+    speed_mps: float,
+    stopping_s: float,
+) -> float:
+    """Return how far slowing to a stand falls behind constant speed, ``since_s`` [s] after onset.
+
+    [m], or [m/s] of a speed. ``stopping_s``: how long the slowing takes.
+    """
+    slowing = min(max(since_s, 0.0), stopping_s)
+    if is_speed:
+        return -accel_mps2 * slowing
+    return -0.5 * accel_mps2 * slowing * slowing - speed_mps * max(since_s - stopping_s, 0.0)
+
+
+@compiled(
+    "float64[:, ::1](float64[::1], float64[::1], float64[::1], boolean[::1], float64,"
+    " float64[::1], float64[::1], float64[::1])"
+)
+def hypotheses(
+    times_s: FloatArray,
+    values: FloatArray,
+    sigmas: FloatArray,
+    is_speed: NDArray[np.bool_],
+    speed_mps: float,
+    onsets_s: FloatArray,
+    accels_mps2: FloatArray,
+    log_prior: FloatArray,
 ) -> FloatArray:
-    """Return departures from constant speed, shape (hypotheses, n), of slowing to a stand."""
-    slowing = rows.times_s[None, :] - onsets_s[:, None]
-    a = accels_mps2[:, None]
-    until_stop = np.clip(slowing, 0.0, speed_mps / a)
-    standing = np.maximum(slowing - speed_mps / a, 0.0)
-    shift = -0.5 * a * until_stop**2 - speed_mps * standing
-    return np.asarray(np.where(rows.is_speed[None, :], -a * until_stop, shift))
+    """Weigh every onset, shape (m,), with every deceleration, shape (n,), whose log prior is given.
+
+    Returns a table, shape (8, m n): log weight, onset, log deceleration, deceleration, stop along
+    the leg, stop time, speed, variance of the stop.
+    """
+    count = times_s.size
+    q, (inverse11, inverse12, inverse22) = constant_velocity(times_s, is_speed, sigmas)
+    fit = np.zeros(2)
+    for i in range(count):
+        fit += q[i] * (values[i] / sigmas[i])
+    free = values / sigmas - q[:, 0] * fit[0] - q[:, 1] * fit[1]
+    c00 = inverse11 * inverse11 + inverse12 * inverse12
+    c01, c11 = inverse12 * inverse22, inverse22 * inverse22
+    table = np.empty((8, onsets_s.size * accels_mps2.size))
+    h = 0
+    for onset in onsets_s:
+        first = np.searchsorted(times_s, onset)  # before the onset nothing deviates
+        begun = onset - times_s[count - 1]
+        for j in range(accels_mps2.size):
+            accel = accels_mps2[j]
+            stopping = speed_mps / accel
+            on_free = square = taken0 = taken1 = 0.0
+            for i in range(first, count):
+                shape = deviation(times_s[i] - onset, is_speed[i], accel, speed_mps, stopping)
+                shape /= sigmas[i]
+                on_free += shape * free[i]
+                square += shape * shape
+                taken0 += shape * q[i, 0]
+                taken1 += shape * q[i, 1]
+            # What the regression takes up of the shape is off its residual.
+            left = square - taken0 * taken0 - taken1 * taken1
+            speed = max(inverse22 * (fit[1] - taken1), 0.5)
+            place = inverse11 * (fit[0] - taken0) + inverse12 * (fit[1] - taken1)
+            slowing = speed / accel
+            slope = begun + slowing
+            table[0, h] = on_free - 0.5 * left + log_prior[j]
+            table[1, h], table[2, h], table[3, h] = onset, math.log(accel), accel
+            table[4, h] = place + speed * begun + 0.5 * speed * slowing
+            table[5, h], table[6, h] = onset + slowing, speed
+            table[7, h] = c00 + 2.0 * slope * c01 + slope * slope * c11
+            h += 1
+    return table
+
+
+@compiled("float64[:, ::1](float64[:, ::1])")
+def moments(table: FloatArray) -> FloatArray:
+    """Return means and variances of a table's rows, shape (2, 8), by the log weights of its first.
+
+    The first mean is the log of the weights' sum.
+    """
+    rows, count = table.shape
+    out = np.zeros((2, rows))
+    weights = np.exp(table[0] - table[0].max())
+    total = weights.sum()
+    out[0, 0] = table[0].max() + math.log(total)
+    for row in range(1, rows):
+        for h in range(count):
+            out[0, row] += weights[h] * table[row, h]
+        out[0, row] /= total
+        for h in range(count):
+            out[1, row] += weights[h] * (table[row, h] - out[0, row]) ** 2
+        out[1, row] /= total
+    return out
 
 
 def stop_posterior(
@@ -113,124 +200,31 @@ def stop_posterior(
     reported is profiled per hypothesis. ``log_bayes_factor`` is that of "slowing" against "not".
     """
     first, last = onset_range_s
-    taus = np.arange(first, last + 1e-9, ONSET_STEP_S)
-    accels, log_weights = accel_prior.grid()
-    onsets = np.repeat(taus, accels.size)
-    log_prior = np.tile(log_weights, taus.size) - math.log(taus.size)
-    design = _Design(rows, speed_mps)
-    coarse = design.posterior(onsets, np.tile(accels, taus.size), log_prior)
-    if refinements == 0:
-        return coarse.summary()
-    bayes = coarse.log_bayes_factor
-    spread = math.log(accels[1] / accels[0])
-    steps = (ONSET_STEP_S, spread)
+    onsets = np.arange(first, last + 1e-9, ONSET_STEP_S)
+    accels, log_prior = accel_prior.grid()
+    measured = (rows.times_s, rows.values, rows.sigmas, rows.is_speed, speed_mps)
+    table = hypotheses(*measured, onsets, accels, log_prior - math.log(onsets.size))
+    means, variances = moments(table).tolist()
+    bayes = means[0]
+    onset_step, accel_step = ONSET_STEP_S, math.log(accels[1] / accels[0])
+    offsets = np.linspace(-1.0, 1.0, FINE_STEPS) if refinements else np.empty(0)
     for _ in range(refinements):
-        coarse, steps = design.refined(coarse, steps, accel_prior, (first, last))
-    return replace(coarse.summary(), log_bayes_factor=bayes)
-
-
-@dataclass(frozen=True)
-class _Grid:
-    """Hypotheses, their posterior weights, and what each says of the stop."""
-
-    onsets_s: FloatArray
-    accels_mps2: FloatArray
-    weights: FloatArray
-    log_bayes_factor: float
-    speeds_mps: FloatArray
-    stops_m: FloatArray
-    stop_variances_m2: FloatArray
-
-    def moments(self, values: FloatArray) -> tuple[float, float]:
-        """Return the weighted mean and standard deviation."""
-        mean = float(self.weights @ values)
-        return mean, math.sqrt(float(self.weights @ (values - mean) ** 2))
-
-    def summary(self) -> StopPosterior:
-        """Return the moments that are reported."""
-        stop, stop_sigma = self.moments(self.stops_m)
-        stop_time, stop_time_sigma = self.moments(
-            self.onsets_s + self.speeds_mps / self.accels_mps2
-        )
-        accel, accel_sigma = self.moments(self.accels_mps2)
-        return StopPosterior(
-            log_bayes_factor=self.log_bayes_factor,
-            stop_along_m=stop,
-            stop_along_sigma_m=math.sqrt(
-                stop_sigma**2 + float(self.weights @ self.stop_variances_m2)
-            ),
-            stop_time_s=stop_time,
-            stop_time_sigma_s=math.hypot(stop_time_sigma, MIN_TIME_SIGMA_S),
-            speed_mps=float(self.weights @ self.speeds_mps),
-            accel_mps2=accel,
-            accel_sigma_mps2=accel_sigma,
-        )
-
-
-class _Design:
-    """The constant-speed regression that every hypothesis is compared with."""
-
-    def __init__(self, rows: TrackRows, speed_mps: float) -> None:
-        self._rows, self._speed_mps = rows, speed_mps
-        self._reference = float(rows.times_s[-1])
-        self._q, self._r_inverse = constant_velocity(
-            rows.times_s - self._reference, rows.is_speed, rows.sigmas
-        )
-        y = rows.values / rows.sigmas
-        self._fit = self._q.T @ y
-        self._free = y - self._q @ self._fit
-
-    def posterior(
-        self, onsets_s: FloatArray, accels_mps2: FloatArray, log_prior: FloatArray
-    ) -> _Grid:
-        """Weigh hypotheses, all arrays of shape (h,), by their likelihood ratio."""
-        # Before the first onset nothing deviates; what the regression takes up is off its residual.
-        late = self._rows.since(float(onsets_s.min()))
-        shapes = deviations(late, onsets_s, accels_mps2, self._speed_mps)
-        shapes /= late.sigmas
-        skipped = len(self._free) - len(late.sigmas)
-        shapes_q = shapes @ self._q[skipped:]
-        left = np.einsum("ij,ij->i", shapes, shapes) - np.einsum("ij,ij->i", shapes_q, shapes_q)
-        log_ratio = shapes @ self._free[skipped:] - 0.5 * left
-        log_weights = log_ratio + log_prior
-        peak = float(log_weights.max())
-        weights = np.exp(log_weights - peak)
-        total = float(weights.sum())
-
-        fits = (self._fit[None, :] - shapes_q) @ self._r_inverse.T
-        speeds = np.maximum(fits[:, 1], 0.5)
-        slowing_s = speeds / accels_mps2
-        begun_s = onsets_s - self._reference
-        slopes = begun_s + slowing_s
-        c = self._r_inverse @ self._r_inverse.T
-        return _Grid(
-            onsets_s,
-            accels_mps2,
-            weights / total,
-            peak + math.log(total),
-            speeds,
-            fits[:, 0] + speeds * begun_s + 0.5 * speeds * slowing_s,
-            c[0, 0] + 2.0 * slopes * c[0, 1] + slopes**2 * c[1, 1],
-        )
-
-    def refined(
-        self,
-        grid: _Grid,
-        steps: tuple[float, float],
-        accel_prior: AccelPrior,
-        onset_range_s: tuple[float, float],
-    ) -> tuple[_Grid, tuple[float, float]]:
-        """Return a finer grid about the posterior of a coarser one, and its steps."""
-        onset, onset_sigma = grid.moments(grid.onsets_s)
-        log_accel, log_accel_sigma = grid.moments(np.log(grid.accels_mps2))
-        offsets = np.linspace(-1.0, 1.0, FINE_STEPS)
-        onset_reach = max(3.0 * onset_sigma, steps[0])
-        accel_reach = max(3.0 * log_accel_sigma, steps[1])
-        taus = np.clip(onset + onset_reach * offsets, *onset_range_s)
-        log_accels = log_accel + accel_reach * offsets
-        log_prior = np.tile(accel_prior.log_density(log_accels), FINE_STEPS)
-        finer = self.posterior(
-            np.repeat(taus, FINE_STEPS), np.tile(np.exp(log_accels), FINE_STEPS), log_prior
-        )
+        onset_reach = max(3.0 * math.sqrt(variances[1]), onset_step)
+        accel_reach = max(3.0 * math.sqrt(variances[2]), accel_step)
+        onsets = np.clip(means[1] + onset_reach * offsets, first, last)
+        log_accels = means[2] + accel_reach * offsets
+        log_prior = accel_prior.log_density(log_accels)
+        table = hypotheses(*measured, onsets, np.exp(log_accels), log_prior)
+        means, variances = moments(table).tolist()
         step = 2.0 / (FINE_STEPS - 1)
-        return finer, (onset_reach * step, accel_reach * step)
+        onset_step, accel_step = onset_reach * step, accel_reach * step
+    return StopPosterior(
+        log_bayes_factor=bayes,
+        stop_along_m=means[4],
+        stop_along_sigma_m=math.sqrt(variances[4] + means[7]),
+        stop_time_s=means[5],
+        stop_time_sigma_s=math.hypot(math.sqrt(variances[5]), MIN_TIME_SIGMA_S),
+        speed_mps=means[6],
+        accel_mps2=means[3],
+        accel_sigma_mps2=math.sqrt(variances[3]),
+    )

@@ -9,7 +9,7 @@ import numpy as np
 from sar_estimator.corner_detector import AccelPrior, StopPosterior, stop_posterior
 from sar_estimator.leg import LegFit, LegRow, LegTracker
 from sar_estimator.parameters import EstimatorParameters
-from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
+from sar_estimator.states import CornerEstimate, FloatArray, LegEstimate, Motion, Phase
 
 ONSET_REACH_S = 10.0
 REFINEMENTS = 2
@@ -93,7 +93,7 @@ class CornerTracker:
             self._watch_standstill(motion)
             return
         self._still_since_s = None
-        oldest = fit.rows[0].time_s
+        oldest = fit.since_s
         if fit.strays(self._tracker.rows_since(fit.time_s + 1e-9)):
             return
         onset_range = (max(oldest, motion.time_s - ONSET_REACH_S), motion.time_s)
@@ -107,7 +107,7 @@ class CornerTracker:
 
     def _infer(
         self,
-        rows: tuple[LegRow, ...],
+        rows: FloatArray,
         onset_range_s: tuple[float, float],
         *,
         refinements: int = REFINEMENTS,
@@ -128,10 +128,7 @@ class CornerTracker:
         line = settled.line
         stop = line.offset(posterior.stop_along_m)
         age = posterior.stop_time_s - settled.time_s
-        spread = settled.covariance
-        across = math.sqrt(
-            max(1e-6, spread[0, 0] + 2.0 * age * spread[0, 1] + age**2 * spread[1, 1])
-        )
+        across = math.sqrt(max(1e-6, settled.variance_m2(age)))
         c, s = math.cos(line.heading_rad), math.sin(line.heading_rad)
         axes = np.array([[c, -s], [s, c]])
         variances = np.diag([posterior.stop_along_sigma_m**2, across**2])

@@ -12,7 +12,7 @@ from sar_estimator.corner_tracker import CornerTracker
 from sar_estimator.fixes import Fix, FixScreen, Verdict
 from sar_estimator.geodesy import Datum
 from sar_estimator.leg import LegRow
-from sar_estimator.motion_filter import MotionFilter, normalised_innovation
+from sar_estimator.motion_filter import MotionFilters, normalised_innovation
 from sar_estimator.parameters import EstimatorParameters
 from sar_estimator.states import (
     CornerEstimate,
@@ -51,8 +51,7 @@ class HelicopterEstimator:
         self.datum = datum
         self.screen = FixScreen()
         self._tracker = CornerTracker(parameters)
-        self._steady: MotionFilter | None = None
-        self._agile: MotionFilter | None = None
+        self._filters: MotionFilters | None = None
         self._accepted_s = -math.inf
         self._outliers: list[tuple[float, float, float]] = []
         self._velocities: deque[LegRow] = deque(maxlen=MAX_VELOCITIES)
@@ -88,12 +87,10 @@ class HelicopterEstimator:
 
     def predict(self, time_s: float) -> MotionEstimate | None:
         """Return the motion at ``time_s``, an hour after the last fix at most; None before any."""
-        if self._agile is None or self._steady is None:
+        if self._filters is None:
             return None
         until_s = min(time_s, self._accepted_s + MAX_COAST_S)
-        if self._on_leg():
-            return self._steady.predicted(until_s, self.parameters.cruise_accel_sigma_mps2)
-        return self._agile_at(until_s)
+        return self._filters.steady(until_s) if self._on_leg() else self._filters.agile(until_s)
 
     def add_fix(self, fix: Fix) -> Verdict:
         """Take a fix; return what became of it."""
@@ -115,7 +112,8 @@ class HelicopterEstimator:
             return self.screen.note(fix, self._found(fix.time_s, position, covariance))
         if refusal is Verdict.REPEATED and not self._stands(prediction, position, covariance):
             return self.screen.note(fix, refusal)
-        surprise = normalised_innovation(self._agile_at(fix.time_s), position, covariance)
+        assert self._filters is not None
+        surprise = normalised_innovation(self._filters.agile(fix.time_s), position, covariance)
         if fix.covariance_m2 is None:
             self._learn_noise(surprise)
         if surprise > self.parameters.gate_chi2:
@@ -145,48 +143,34 @@ class HelicopterEstimator:
 
     def _use_velocities(self, until_s: float) -> list[LegRow]:
         """Update with the velocities not newer than a fix; return those that were believed."""
-        assert self._agile is not None
+        filters = self._filters
+        assert filters is not None
         believed = []
         while self._velocities and self._velocities[0].time_s <= until_s + 1e-6:
             row = self._velocities.popleft()
-            dt = row.time_s - self._agile.time_s
+            dt = row.time_s - filters.time_s
             if dt < -1e-6:
                 continue
-            estimate = self._agile_at(row.time_s)
+            estimate = filters.agile(row.time_s)
             known = estimate.covariance[1, 1] + estimate.covariance[4, 4]
             error = math.hypot(row.x - estimate.motion.vx_mps, row.y - estimate.motion.vy_mps)
             steady_sigma = math.sqrt(row.sigma**2 + min(known, KNOWN_SPEED_MPS**2))
             if known < UNSETTLED_SPEED_MPS**2 and error > 5.0 * steady_sigma + TOP_ACCEL_MPS2 * dt:
                 self.refused_velocities += 1
                 continue
-            for one, sigma in self._filters():
-                one.advance(row.time_s, sigma)
-                one.update_velocity((row.x, row.y), row.sigma)
+            filters.advance(row.time_s)
+            filters.update_velocity((row.x, row.y), row.sigma)
             believed.append(row)
         return believed
 
     def restart_clock(self) -> None:
         """Begin again after time was set back: nothing is carried over but what was learnt."""
         self.screen.forget()
-        self._steady = self._agile = None
+        self._filters = None
         self._accepted_s = self._velocity_s = -math.inf
         self._outliers.clear()
         self._velocities.clear()
         self._tracker.restart()
-
-    def _filters(self) -> list[tuple[MotionFilter, float]]:
-        """Return both filters, each with the acceleration it expects."""
-        assert self._steady is not None
-        assert self._agile is not None
-        p = self.parameters
-        return [
-            (self._steady, p.cruise_accel_sigma_mps2),
-            (self._agile, p.turn_accel_sigma_mps2),
-        ]
-
-    def _agile_at(self, time_s: float) -> MotionEstimate:
-        assert self._agile is not None
-        return self._agile.predicted(time_s, self.parameters.turn_accel_sigma_mps2)
 
     def _on_leg(self) -> bool:
         return not self._tracker.manoeuvring and self._tracker.leg is not None
@@ -194,15 +178,15 @@ class HelicopterEstimator:
     def _fix_covariance(self, fix: Fix) -> FloatArray:
         floor = self.parameters.min_fix_sigma_m**2
         given = fix.covariance_m2
-        if given is not None and np.all(np.isfinite(given)) and np.trace(given) > 0.0:
-            given = 0.5 * (given + given.T)
-            least = 0.5 * (given[0, 0] + given[1, 1]) - math.hypot(
-                0.5 * (given[0, 0] - given[1, 1]), given[0, 1]
-            )
-            if least >= floor:
-                return given
-            values, axes = np.linalg.eigh(given)
-            return np.asarray((axes * np.maximum(values, floor)) @ axes.T)
+        if given is not None:
+            (xx, xy), (yx, yy) = given.tolist()
+            if math.isfinite(xx + xy + yx + yy) and xx + yy > 0.0:
+                xy = 0.5 * (xy + yx)
+                given = np.array(((xx, xy), (xy, yy)))
+                if 0.5 * (xx + yy) - math.hypot(0.5 * (xx - yy), xy) >= floor:
+                    return given
+                values, axes = np.linalg.eigh(given)
+                return np.asarray((axes * np.maximum(values, floor)) @ axes.T)
         scale = self._noise_scale if self._noise_scale > NOISY_SCALE else 1.0
         return np.eye(2) * max(floor, scale * self.parameters.default_fix_sigma_m**2)
 
@@ -222,33 +206,30 @@ class HelicopterEstimator:
     ) -> bool:
         """Whether a repeated position is believable: the helicopter has hardly moved since."""
         moved = math.hypot(prediction.motion.x_m - position[0], prediction.motion.y_m - position[1])
-        sigma = math.sqrt(float(np.trace(covariance)) / 2.0)
+        sigma = _sigma_m(covariance)
         return moved <= max(1.5, min(sigma, 3.0)) and prediction.motion.speed_mps < 3.0
 
     def _accept(self, time_s: float, position: tuple[float, float], covariance: FloatArray) -> None:
         """Update both filters; the steady one begins again where it cannot follow."""
-        assert self._steady is not None
-        assert self._agile is not None
+        filters = self._filters
+        assert filters is not None
         self._outliers.clear()
         velocities = self._use_velocities(time_s)
-        steady = self._steady.predicted(time_s, self.parameters.cruise_accel_sigma_mps2)
-        surprised = normalised_innovation(steady, position, covariance) > SURPRISE_CHI2
-        for one, accel_sigma in self._filters():
-            one.advance(time_s, accel_sigma)
-            one.update_position(position, covariance)
-        if surprised or not self._on_leg():
-            self._steady = self._agile.copy()
+        surprise = normalised_innovation(filters.steady(time_s), position, covariance)
+        filters.advance(time_s)
+        filters.update_position(position, covariance)
+        if surprise > SURPRISE_CHI2 or not self._on_leg():
+            filters.settle()
         self._accepted_s = time_s
-        sigma = math.sqrt(float(np.trace(covariance)) / 2.0)
-        row = LegRow(time_s, position[0], position[1], sigma, is_velocity=False)
-        self._tracker.update([*velocities, row], self._agile_at(time_s).motion)
+        row = LegRow(time_s, *position, _sigma_m(covariance), is_velocity=False)
+        self._tracker.update([*velocities, row], filters.agile(time_s).motion)
 
     def _found(
         self, time_s: float, position: tuple[float, float], covariance: FloatArray
     ) -> Verdict:
         """Begin again where the helicopter can have flown to since; elsewhere as after a jump."""
-        if self._agile is not None:
-            there = self._agile.position
+        if self._filters is not None:
+            there = self._filters.position
             reach_m = TOP_SPEED_MPS * (time_s - self._accepted_s)
             if math.hypot(position[0] - there[0], position[1] - there[1]) > reach_m:
                 return self._outlier(time_s, position, covariance)
@@ -263,7 +244,7 @@ class HelicopterEstimator:
         if len(self._outliers) < self.parameters.jump_after:
             return Verdict.OUTLIER
         recent = self._outliers[-self.parameters.jump_after :]
-        sigma = math.sqrt(float(np.trace(covariance)))
+        sigma = math.sqrt(2.0) * _sigma_m(covariance)
         for (t0, x0, y0), (t1, x1, y1) in pairwise(recent):
             if math.hypot(x1 - x0, y1 - y0) > TOP_SPEED_MPS * (t1 - t0) + 3.0 * sigma:
                 return Verdict.OUTLIER
@@ -273,15 +254,21 @@ class HelicopterEstimator:
     def _restart(
         self, time_s: float, position: tuple[float, float], covariance: FloatArray
     ) -> None:
-        self._agile = MotionFilter(
+        p = self.parameters
+        self._filters = MotionFilters(
             time_s,
             position,
             covariance,
-            tau_s=self.parameters.accel_tau_s,
+            tau_s=p.accel_tau_s,
             speed_sigma_mps=UNKNOWN_SPEED_SIGMA_MPS,
+            accel_sigmas_mps2=(p.cruise_accel_sigma_mps2, p.turn_accel_sigma_mps2),
         )
-        self._steady = self._agile.copy()
         self._accepted_s = time_s
         self._outliers.clear()
         self._velocities.clear()
         self._tracker.restart()
+
+
+def _sigma_m(covariance_m2: FloatArray) -> float:
+    """Return the standard deviation of one axis [m], the mean of both."""
+    return math.sqrt(0.5 * (float(covariance_m2[0, 0]) + float(covariance_m2[1, 1])))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
 
+from sar_estimator.compiled import compiled
 from sar_estimator.constant_velocity import constant_velocity
 from sar_estimator.corner_detector import TrackRows
 from sar_estimator.plane import Pose
@@ -17,6 +17,8 @@ MIN_ROWS = 6
 MISFIT_LIMIT = 4.5
 SETTLE_S = 5.0
 MIN_SPACING_S = 0.4
+TIME, X, Y, SIGMA, IS_VELOCITY = range(5)
+ROOM = 256
 
 
 def chi_square_z(chi_square: float, dof: int) -> float:
@@ -36,20 +38,61 @@ class LegRow:
     is_velocity: bool
 
 
+@compiled("float64[::1](float64[:, ::1])")
+def fit_line(rows: FloatArray) -> FloatArray:
+    """Fit a constant velocity to rows, shape (n, 5), of which two at least tell of the velocity.
+
+    Returns x, y at the last row's time, vx, vy, the covariance of one axis' position and velocity
+    (11, 12, 22), and the chi-square of the worse axis, along or across the fitted direction. Both
+    axes share one weighted least-squares design.
+    """
+    times, sigmas = rows[:, TIME].copy(), rows[:, SIGMA].copy()
+    q, (inverse11, inverse12, inverse22) = constant_velocity(
+        times, rows[:, IS_VELOCITY] > 0.0, sigmas
+    )
+    fit = np.zeros((2, 2))
+    for i in range(times.size):
+        for axis in range(2):
+            value = rows[i, X + axis] / sigmas[i]
+            fit[0, axis] += q[i, 0] * value
+            fit[1, axis] += q[i, 1] * value
+    spread = np.zeros(3)
+    for i in range(times.size):
+        off_x = rows[i, X] / sigmas[i] - q[i, 0] * fit[0, 0] - q[i, 1] * fit[1, 0]
+        off_y = rows[i, Y] / sigmas[i] - q[i, 0] * fit[0, 1] - q[i, 1] * fit[1, 1]
+        spread[0] += off_x * off_x
+        spread[1] += off_x * off_y
+        spread[2] += off_y * off_y
+    out = np.empty(8)
+    for axis in range(2):
+        out[axis] = inverse11 * fit[0, axis] + inverse12 * fit[1, axis]
+        out[2 + axis] = inverse22 * fit[1, axis]
+    out[4] = inverse11 * inverse11 + inverse12 * inverse12
+    out[5], out[6] = inverse12 * inverse22, inverse22 * inverse22
+    heading = math.atan2(out[3], out[2])
+    c, s = math.cos(heading), math.sin(heading)
+    along = c * c * spread[0] + 2.0 * c * s * spread[1] + s * s * spread[2]
+    out[7] = max(along, spread[0] + spread[2] - along)
+    return out
+
+
 @dataclass(frozen=True)
 class LegFit:
-    """A constant-velocity fit to rows, with times counted from ``time_s``."""
+    """A constant-velocity fit to rows from ``since_s`` on, with times counted from ``time_s``.
+
+    ``spread``: variances of one axis' position and velocity, and between them their covariance.
+    """
 
     time_s: float
-    position_m: FloatArray
-    velocity_mps: FloatArray
-    covariance: FloatArray
-    rows: tuple[LegRow, ...]
+    since_s: float
+    position_m: tuple[float, float]
+    velocity_mps: tuple[float, float]
+    spread: tuple[float, float, float]
 
     @property
     def speed_mps(self) -> float:
         """Fitted speed [m/s]."""
-        return float(np.hypot(*self.velocity_mps))
+        return math.hypot(*self.velocity_mps)
 
     @property
     def heading_rad(self) -> float:
@@ -59,70 +102,59 @@ class LegFit:
     @property
     def line(self) -> Pose:
         """The fitted line: the position at ``time_s`` and the heading."""
-        return Pose(float(self.position_m[0]), float(self.position_m[1]), self.heading_rad)
+        return Pose(*self.position_m, self.heading_rad)
 
     def estimate(self) -> LegEstimate:
         """Return what is published of the fit."""
-        speed = self.speed_mps
-        sigma_v = math.sqrt(self.covariance[1, 1])
+        speed, sigma_v = self.speed_mps, math.sqrt(self.spread[2])
         return LegEstimate(
             time_s=self.time_s,
             foot=self.line,
             speed_mps=speed,
-            position_sigma_m=math.sqrt(self.covariance[0, 0]),
+            position_sigma_m=math.sqrt(self.spread[0]),
             heading_sigma_rad=sigma_v / max(speed, sigma_v),
             speed_sigma_mps=sigma_v,
         )
 
-    def strays(self, rows: tuple[LegRow, ...]) -> bool:
-        """Whether rows depart sideways from the line: the helicopter is changing course."""
-        c, s = math.cos(self.heading_rad), math.sin(self.heading_rad)
-        spread = self.covariance
+    def variance_m2(self, age_s: float) -> float:
+        """Return the variance of one axis' position ``age_s`` after the fit's time [m^2]."""
+        return self.spread[0] + 2.0 * age_s * self.spread[1] + age_s**2 * self.spread[2]
+
+    def strays(self, rows: FloatArray) -> bool:
+        """Whether rows, shape (n, 5), depart sideways: the helicopter is changing course."""
+        line = self.line
+        c, s = math.cos(line.heading_rad), math.sin(line.heading_rad)
         chi_square = 0.0
-        for row in rows:
-            age = 0.0 if row.is_velocity else row.time_s - self.time_s
-            x, y = (0.0, 0.0) if row.is_velocity else self.position_m
-            known = (
-                spread[1, 1]
-                if row.is_velocity
-                else (spread[0, 0] + 2.0 * age * spread[0, 1] + age**2 * spread[1, 1])
-            )
-            across = (row.y - y) * c - (row.x - x) * s
-            chi_square += across**2 / (row.sigma**2 + float(known))
+        for time, x, y, sigma, is_velocity in rows.tolist():
+            if is_velocity:
+                across, known = y * c - x * s, self.spread[2]
+            else:
+                across, known = line.across(x, y), self.variance_m2(time - self.time_s)
+            chi_square += across**2 / (sigma**2 + known)
         return chi_square_z(chi_square, max(1, len(rows))) > MISFIT_LIMIT
 
-    def project(self, rows: tuple[LegRow, ...]) -> TrackRows:
-        """Return rows measured along the fitted line, from ``position_m``."""
-        direction = self.velocity_mps / self.speed_mps
-        xy = np.array([(row.x, row.y) for row in rows])
-        is_velocity = np.array([row.is_velocity for row in rows])
-        origin = np.where(is_velocity[:, None], 0.0, self.position_m)
+    def project(self, rows: FloatArray) -> TrackRows:
+        """Return rows, shape (n, 5), measured along the fitted line, from ``position_m``."""
+        speed = self.speed_mps
+        ux, uy = self.velocity_mps[0] / speed, self.velocity_mps[1] / speed
+        is_velocity = rows[:, IS_VELOCITY] > 0.0
+        begin = self.position_m[0] * ux + self.position_m[1] * uy
         return TrackRows(
-            times_s=np.array([row.time_s for row in rows]),
-            values=(xy - origin) @ direction,
-            sigmas=np.array([row.sigma for row in rows]),
+            times_s=rows[:, TIME].copy(),
+            values=rows[:, X] * ux + rows[:, Y] * uy - begin * ~is_velocity,
+            sigmas=rows[:, SIGMA].copy(),
             is_speed=is_velocity,
         )
 
 
-def fit_rows(rows: tuple[LegRow, ...]) -> tuple[LegFit, float]:
-    """Fit a constant velocity; return it with its misfit in standard deviations of chi-square.
+def fit_rows(rows: FloatArray) -> tuple[LegFit, float]:
+    """Fit a constant velocity to rows, shape (n, 5): time, x, y, sigma, whether a velocity.
 
-    Both axes share one weighted least-squares design; the misfit is that of the worse axis, along
-    or across the fitted direction.
+    Returns it with its misfit in standard deviations of chi-square.
     """
-    reference = rows[-1].time_s
-    is_velocity = np.array([row.is_velocity for row in rows])
-    times = np.array([row.time_s - reference for row in rows])
-    sigmas = np.array([row.sigma for row in rows])
-    xy = np.array([(row.x, row.y) for row in rows]) / sigmas[:, None]
-    q, r_inverse = constant_velocity(times, is_velocity, sigmas)
-    solution = r_inverse @ (q.T @ xy)
-    residuals = xy - q @ (q.T @ xy)
-    fit = LegFit(reference, solution[0], solution[1], r_inverse @ r_inverse.T, rows)
-    c, s = math.cos(fit.heading_rad), math.sin(fit.heading_rad)
-    turned = residuals @ np.array([[c, -s], [s, c]])
-    chi_square = float((turned**2).sum(axis=0).max())
+    x, y, vx, vy, c11, c12, c22, chi_square = fit_line(rows).tolist()
+    first, last = float(rows[0, TIME]), float(rows[-1, TIME])
+    fit = LegFit(last, first, (x, y), (vx, vy), (c11, c12, c22))
     return fit, chi_square_z(chi_square, max(1, len(rows) - 2))
 
 
@@ -132,7 +164,13 @@ class LegTracker:
     def __init__(self, window_s: float) -> None:
         """Fit at most the last ``window_s`` [s]."""
         self._window_s = window_s
-        self._rows: deque[LegRow] = deque()
+        self._table = np.empty((ROOM, 5))
+        self._begin = self._end = 0
+
+    @property
+    def _rows(self) -> FloatArray:
+        """The rows kept, shape (n, 5), in order of time."""
+        return self._table[self._begin : self._end]
 
     def add(self, row: LegRow) -> None:
         """Append a row and let old ones go.
@@ -140,22 +178,29 @@ class LegTracker:
         Rows of a kind closer than ``MIN_SPACING_S`` are left out: a receiver's errors over such
         times are alike, and more of them tell no more.
         """
-        newest = next(
-            (old for old in reversed(self._rows) if old.is_velocity == row.is_velocity), None
-        )
-        if newest is not None and row.time_s - newest.time_s < MIN_SPACING_S:
+        rows = self._rows
+        alike = rows[rows[:, IS_VELOCITY] == row.is_velocity, TIME]
+        if alike.size and row.time_s - alike[-1] < MIN_SPACING_S:
             return
-        self._rows.append(row)
-        while self._rows[0].time_s < row.time_s - self._window_s:
-            self._rows.popleft()
+        if self._end == len(self._table):
+            kept = rows.copy()
+            if len(kept) > len(self._table) // 2:
+                self._table = np.empty((2 * len(self._table), 5))
+            self._table[: len(kept)] = kept
+            self._begin, self._end = 0, len(kept)
+        self._table[self._end] = (row.time_s, row.x, row.y, row.sigma, row.is_velocity)
+        self._end += 1
+        while self._table[self._begin, TIME] < row.time_s - self._window_s:
+            self._begin += 1
 
-    def rows_since(self, time_s: float) -> tuple[LegRow, ...]:
-        """Return the rows not older than ``time_s`` [s]."""
-        return tuple(row for row in self._rows if row.time_s >= time_s)
+    def rows_since(self, time_s: float) -> FloatArray:
+        """Return the rows not older than ``time_s`` [s], shape (n, 5)."""
+        rows = self._rows
+        return rows[int(np.searchsorted(rows[:, TIME], time_s)) :]
 
     def clear(self) -> None:
         """Forget the leg."""
-        self._rows.clear()
+        self._begin = self._end = 0
 
     def fit(self) -> LegFit | None:
         """Fit the settled rows; None while too few of them agree.
@@ -164,21 +209,23 @@ class LegTracker:
         which has just begun does not bend the leg it is measured against. Where the helicopter has
         changed course or speed, older rows are let go for good.
         """
-        settled_s = self._rows[-1].time_s - SETTLE_S if self._rows else 0.0
-        rows = tuple(row for row in self._rows if row.time_s <= settled_s)
+        rows = self._rows
+        if len(rows) == 0:
+            return None
+        settled_s = rows[-1, TIME] - SETTLE_S
+        rows = rows[: int(np.searchsorted(rows[:, TIME], settled_s, side="right"))]
         if _positions(rows) < MIN_ROWS:
-            rows = tuple(self._rows)
+            rows = self._rows
         dropped = 0
         while _positions(rows) >= MIN_ROWS:
             fit, misfit = fit_rows(rows)
             if misfit < MISFIT_LIMIT:
-                for _ in range(dropped):
-                    self._rows.popleft()
+                self._begin += dropped
                 return fit
             drop = max(1, len(rows) // 4)
             rows, dropped = rows[drop:], dropped + drop
         return None
 
 
-def _positions(rows: tuple[LegRow, ...]) -> int:
-    return sum(not row.is_velocity for row in rows)
+def _positions(rows: FloatArray) -> int:
+    return len(rows) - int(np.count_nonzero(rows[:, IS_VELOCITY]))

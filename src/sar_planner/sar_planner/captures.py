@@ -53,6 +53,18 @@ class PathBatch:
         first = batches[0]
         return PathBatch(first.start, first.radius_m, np.vstack([batch.rows for batch in batches]))
 
+    @property
+    def start_values(self) -> FloatArray:
+        """Where they start: x [m], y [m] and heading [rad] of the start, shape (3,)."""
+        return np.array((self.start.x_m, self.start.y_m, self.start.heading_rad))
+
+    @property
+    def radii_m(self) -> FloatArray:
+        """The radius of every part, shape (7,) [m]; 0 for straights."""
+        radii = np.zeros(COLUMNS)
+        radii[TURNS] = self.radius_m
+        return radii
+
     @cached_property
     def _parts_m(self) -> FloatArray:
         lengths = np.abs(self.rows)

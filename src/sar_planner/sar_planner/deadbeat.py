@@ -187,7 +187,7 @@ class DeadbeatRules:
         found: list[int] = []
         for begin in range(0, len(order), CHUNK):
             chosen = order[begin : begin + CHUNK]
-            safe = self.distances_m(batch.take(chosen)) >= separation_m
+            safe = self._keep(batch.take(chosen), separation_m)
             found += chosen[safe].tolist()
             if len(found) >= count:
                 break
@@ -223,18 +223,26 @@ class DeadbeatRules:
         batches = [problem.reach(arcs, lead_m=float(lead)) for lead in leads_m]
         return self._candidates(Rule.D3, problem, PathBatch.join(batches))
 
-    def distances_m(self, batch: PathBatch) -> FloatArray:
-        """Return least distances [m], certain not to be more than the true ones."""
+    def distances_m(self, batch: PathBatch, *, enough_m: float = 0.0) -> FloatArray:
+        """Return least distances [m], certain not to be more than the true ones.
+
+        Those below ``enough_m`` may be more than the least.
+        """
         speed = self.parameters.speed_mps
+        slack = sampling_slack_m(self.parameters.separation_m, self.parameters.turn_radius_m)
         sampled = least_distances_m(
             batch,
             self._slot_forecast,
             start_s=0.0,
             speeds_mps=speed * self._made_good,
             lead_mps=speed,
+            enough_m=enough_m + slack,
         )
-        slack = sampling_slack_m(self.parameters.separation_m, self.parameters.turn_radius_m)
         return sampled - slack
+
+    def _keep(self, batch: PathBatch, separation_m: float) -> NDArray[np.bool_]:
+        """Return which paths keep a separation, shape (n,)."""
+        return self.distances_m(batch, enough_m=separation_m) >= separation_m
 
     def plan(
         self,
@@ -300,11 +308,11 @@ class DeadbeatRules:
         """
         by_lead = np.argsort(-batch.rows[:, STRAIGHT_P], kind="stable")
         by_lead = by_lead[:: math.ceil(len(batch) / CHUNK) or 1]
-        found = by_lead[self.distances_m(batch.take(by_lead)) >= separation_m][:COMPARED].tolist()
+        found = by_lead[self._keep(batch.take(by_lead), separation_m)][:COMPARED].tolist()
         by_length = np.argsort(batch.lengths_m, kind="stable")
         for begin in range(0, len(by_length), CHUNK):
             chosen = by_length[begin : begin + CHUNK]
-            safe = chosen[self.distances_m(batch.take(chosen)) >= separation_m]
+            safe = chosen[self._keep(batch.take(chosen), separation_m)]
             found += safe[:COMPARED].tolist()
             if len(safe) or len(found) >= COMPARED:
                 break

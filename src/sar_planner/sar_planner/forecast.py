@@ -39,7 +39,7 @@ class Forecast:
     def positions(self, times_s: FloatArray | Sequence[float]) -> FloatArray:
         """Return the helicopter's positions, shape (n, 2) [m], at ``times_s``."""
         times = np.asarray(times_s, dtype=np.float64)
-        table = self._table
+        table = self.table
         stretch = np.maximum(np.searchsorted(table[0], times, side="right") - 1, 0)
         begun, x, y, east, north, speed, accel = table[:, stretch]
         duration = times - begun
@@ -50,7 +50,7 @@ class Forecast:
         return out
 
     @property
-    def _table(self) -> FloatArray:
+    def table(self) -> FloatArray:
         """Time, x, y, direction, speed and acceleration of every stretch, shape (7, n)."""
         rows = []
         for one in self.stretches:
@@ -66,7 +66,7 @@ class Forecast:
                     one.accel_mps2,
                 )
             )
-        return np.array(rows).T
+        return np.ascontiguousarray(np.array(rows).T)
 
     def in_frame(self, frame: CornerFrame) -> Forecast:
         """Return the same motion in the coordinates of a frame."""

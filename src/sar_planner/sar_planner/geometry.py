@@ -179,6 +179,14 @@ class FlightPath:
         )
 
     @property
+    def parts(self) -> FloatArray:
+        """x, y, heading, curvature and path distance where each part begins, shape (5, n + 1).
+
+        The last part is the straight behind the path.
+        """
+        return np.ascontiguousarray(self._parts[:, 1:])
+
+    @property
     def end(self) -> Pose:
         """The pose at the end."""
         return self.joints[-1]

@@ -12,10 +12,10 @@ from sar_estimator.plane import Pose
 from sar_planner.captures import PathBatch
 from sar_planner.forecast import Forecast, cornering
 from sar_planner.geometry import FlightPath, FloatArray
+from sar_planner.kernels import least_apart, least_apart_of_each
 from sar_planner.parameters import CornerParameters
 
-SAMPLE_M = 20.0
-CHECK_S = 0.2
+SAMPLE_M = 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,21 +63,29 @@ def closest_over_time(
 def least_apart_m(
     path: FlightPath, forecasts: Sequence[Forecast], *, start_s: float, speed_mps: float
 ) -> float:
-    """Return the least distance [m] of a path to any of several forecasts, looked at each 0.2 s.
+    """Return the least distance [m] of a path to any of several forecasts.
 
-    At 40 m/s past one another, ``CHECK_S`` apart, that is 0.05 m above the least at 150 m. Each
-    forecast is looked at for as long as by ``closest_over_time``.
+    Looked at every ``SAMPLE_M`` of its way (``sampling_slack_m``). Each forecast is looked at for
+    as long as by ``closest_over_time``.
     """
-    flown_s = path.length_m / speed_mps
-    ends_s = [max(flown_s, forecast.steady_s - start_s, CHECK_S) for forecast in forecasts]
-    times = CHECK_S * np.arange(math.ceil(max(ends_s) / CHECK_S) + 1, dtype=np.float64)
-    points = path.points(times * speed_mps)
+    parts = path.parts
     least = math.inf
-    for forecast, end_s in zip(forecasts, ends_s, strict=True):
-        count = math.ceil(end_s / CHECK_S) + 1
-        gap = points[:count] - forecast.positions(start_s + times[:count])
-        least = min(least, float(np.square(gap).sum(axis=1).min()))
-    return math.sqrt(least)
+    for forecast in forecasts:
+        one = least_apart(
+            parts,
+            path.length_m,
+            forecast.table,
+            start_s,
+            forecast.steady_s,
+            speed_mps,
+            speed_mps,
+            0.0,
+            speed_mps,
+            SAMPLE_M,
+            0.0,
+        )
+        least = min(least, one)
+    return least
 
 
 def sampling_slack_m(distance_m: float, radius_m: float) -> float:
@@ -113,28 +121,27 @@ def least_distances_m(
     start_s: float,
     speeds_mps: float | FloatArray,
     lead_mps: float | None = None,
+    enough_m: float = 0.0,
 ) -> FloatArray:
-    """Return the least sampled distance to the helicopter on every path, shape (n,) [m].
+    """Return the least distance to the helicopter on every path, shape (n,) [m].
 
     ``speeds_mps``: one for all paths, or one for each; ``lead_mps``: that on the first straights
-    where it is another, faster one. Sampled every ``SAMPLE_M`` of the fastest
-    path, until all paths are flown and the helicopter is back at V.
+    where it is another one. ``enough_m``: distances below it need not be the least. Looked at every
+    ``SAMPLE_M`` of a path (``sampling_slack_m``), until it is flown and the helicopter is back at
+    V. On the slot track, at V, the distance no longer changes.
     """
-    if len(batch) == 0:
-        return np.empty(0)
-    speeds = np.broadcast_to(np.asarray(speeds_mps, dtype=np.float64), (len(batch),))
-    step_s = SAMPLE_M / float(speeds.max())
-    end_s = max(float((batch.lengths_m / speeds).max()), forecast.steady_s - start_s, step_s)
-    times = np.linspace(0.0, end_s, math.ceil(end_s / step_s) + 1)
-    distances = speeds[:, None] * times[None, :]
-    if lead_mps is not None:
-        lead = batch.rows[:, :1]
-        late = np.maximum(times[None, :] - lead / lead_mps, 0.0)
-        distances = np.minimum(lead_mps * times[None, :], lead + speeds[:, None] * late)
-    # On the slot track at V the distance no longer changes.
-    over = distances - batch.lengths_m[:, None]
-    slower = forecast.speed_mps / speeds[:, None]
-    distances = np.where(over > 0.0, batch.lengths_m[:, None] + over * slower, distances)
-    gap = batch.points(distances) - forecast.positions(start_s + times)[None, :, :]
-    least: FloatArray = np.sqrt(np.square(gap).sum(axis=2).min(axis=1))
-    return least
+    speeds = np.empty(len(batch))
+    speeds[:] = speeds_mps
+    return least_apart_of_each(
+        batch.rows,
+        batch.start_values,
+        batch.radii_m,
+        forecast.table,
+        start_s,
+        forecast.steady_s,
+        forecast.speed_mps,
+        speeds,
+        0.0 if lead_mps is None else lead_mps,
+        SAMPLE_M,
+        enough_m,
+    )

@@ -13,6 +13,7 @@ import numpy as np
 
 from sar_planner.captures import PathBatch
 from sar_planner.geometry import FloatArray
+from sar_planner.kernels import unseen_cells
 
 CELL = 0.12
 LANES = (-0.42, -0.25, -0.08, 0.08, 0.25, 0.42)
@@ -42,18 +43,17 @@ class CornerStrips:
         Before its start the old track was flown, after its end the new one will be.
         """
         old = self._old[self._old[:, 1] > batch.start.y_m]
-        cells = np.vstack((old, self._new))
-        flown = np.arange(0.0, float(batch.lengths_m.max()) + SAMPLE * self._d, SAMPLE * self._d)
-        points = batch.points(flown)
-        nearest = np.square(cells).sum(axis=1) + (
-            np.square(points).sum(axis=2)[:, :, None] - 2.0 * (points @ cells.T)
-        ).min(axis=1)
-        distances = np.sqrt(np.maximum(nearest, 0.0))
-        unseen = np.clip((distances - 0.5 * self._d) / (LANE * self._d) + 0.5, 0.0, 1.0)
-        later = self._new[None, :, 0] >= batch.ends[:, :1]
-        unseen[:, len(old) :][later] = 0.0
-        area: FloatArray = unseen.sum(axis=1) * self._cell_m2
-        return area
+        cells = unseen_cells(
+            batch.rows,
+            batch.start_values,
+            batch.radii_m,
+            np.vstack((old, self._new)),
+            len(old),
+            SAMPLE * self._d,
+            0.5 * self._d,
+            LANE * self._d,
+        )
+        return cells * self._cell_m2
 
 
 @lru_cache(maxsize=4)
