@@ -69,8 +69,7 @@ class Bench:
 
 
 def moved(motion, step_s):
-    return replace(
-        motion,
+    return motion._replace(
         time_s=motion.time_s + step_s,
         x_m=motion.x_m + motion.vx_mps * step_s,
         y_m=motion.y_m + motion.vy_mps * step_s,
@@ -167,7 +166,7 @@ def test_a_list_counts_as_flown_when_the_autopilot_has_it():
 def crossing():
     """Return a bench with a UAV that meets the helicopter in 30 s."""
     bench = Bench(uav=(600.0, -600.0))
-    bench.uav = replace(bench.uav, vx_mps=0.0, vy_mps=20.0)
+    bench.uav = bench.uav._replace(vx_mps=0.0, vy_mps=20.0)
     bench.tell()
     bench.monitor.set_flown(np.array([[600.0, 3000.0]]))
     return bench
@@ -212,7 +211,7 @@ def test_nothing_else_passes_while_the_uav_is_sent_away_and_then_it_does():
     assert bench.monitor.reason == "list refused: the UAV is being sent away"
     course = bench.monitor.escape.points[0] - (bench.uav.x_m, bench.uav.y_m)
     vx, vy = 20.0 * course / np.hypot(*course)
-    bench.uav = replace(bench.uav, vx_mps=vx, vy_mps=vy)
+    bench.uav = bench.uav._replace(vx_mps=vx, vy_mps=vy)
     bench.fly(4.5)
     assert bench.monitor.alert is Alert.ESCAPE
     bench.fly(20.0)
@@ -224,7 +223,7 @@ def test_nothing_else_passes_while_the_uav_is_sent_away_and_then_it_does():
 def test_an_escape_climbs_where_that_separates_more_and_not_into_the_helicopter():
     for above_m, climbs in ((0.0, True), (30.0, True), (-40.0, False)):
         bench = Bench(uav=(100.0, -150.0))
-        bench.uav = replace(bench.uav, vx_mps=0.0, vy_mps=20.0)
+        bench.uav = bench.uav._replace(vx_mps=0.0, vy_mps=20.0)
         bench.monitor.above_m = above_m
         bench.tell()
         bench.monitor.set_flown(np.array([[100.0, 3000.0]]))
@@ -235,7 +234,7 @@ def test_an_escape_climbs_where_that_separates_more_and_not_into_the_helicopter(
 def test_another_way_out_is_taken_when_it_becomes_better_and_only_then():
     """Sent straight on before a helicopter that stops: it flies on instead, and overtakes."""
     bench = Bench(uav=(150.0, -60.0))
-    bench.uav = replace(bench.uav, vx_mps=12.0)
+    bench.uav = bench.uav._replace(vx_mps=12.0)
     bench.tell()
     bench.monitor.set_flown(np.array([[3000.0, -60.0]]))
     (escape,) = bench.fly(0.5)
@@ -246,14 +245,14 @@ def test_another_way_out_is_taken_when_it_becomes_better_and_only_then():
     assert other.points[0, 1] < -500.0
     course = other.points[0] - (bench.uav.x_m, bench.uav.y_m)
     vx, vy = 12.0 * course / np.hypot(*course)
-    bench.uav = replace(bench.uav, vx_mps=vx, vy_mps=vy)
+    bench.uav = bench.uav._replace(vx_mps=vx, vy_mps=vy)
     assert bench.fly(10.0) == []
 
 
 def test_a_uav_that_is_not_led_to_the_helicopters_speed_is_not_taken_to_reach_it():
     """Slower than the helicopter behind it, for long: it will be overtaken."""
     bench = Bench(uav=(300.0, -100.0))
-    bench.uav = replace(bench.uav, vx_mps=12.0)
+    bench.uav = bench.uav._replace(vx_mps=12.0)
     bench.tell()
     bench.monitor.set_flown(np.array([[9000.0, -100.0]]))
     bench.monitor.update(0.0)
@@ -276,7 +275,7 @@ def test_a_conflict_that_the_planner_ends_in_time_is_no_reason_to_send_it_away()
     assert bench.monitor.nearest.distance_m < 100.0
     here = bench.uav.y_m
     bench.monitor.set_flown(np.array([[600.0, here], [6000.0, here]]))
-    bench.uav = replace(bench.uav, vx_mps=20.0, vy_mps=0.0)
+    bench.uav = bench.uav._replace(vx_mps=20.0, vy_mps=0.0)
     assert bench.fly(20.0) == []
 
 
@@ -305,7 +304,7 @@ def test_a_uav_that_is_not_heard_is_sent_nowhere_until_it_is():
 
 def test_a_withdrawn_list_is_not_guarded():
     bench = Bench(uav=(100.0, -300.0))
-    bench.uav = replace(bench.uav, vx_mps=0.0, vy_mps=20.0)
+    bench.uav = bench.uav._replace(vx_mps=0.0, vy_mps=20.0)
     bench.tell()
     bench.monitor.set_flown(np.array([[100.0, 3000.0]]))
     bench.monitor.withdraw()
@@ -321,7 +320,7 @@ def test_alerts_are_told_when_they_last():
         assert bench.monitor.alert is Alert.NONE
         bench.fly(1.5)
         assert bench.monitor.alert is alert
-        bench.uav = replace(bench.uav, y_m=-250.0)
+        bench.uav = bench.uav._replace(y_m=-250.0)
         bench.tell()
         bench.monitor.set_flown(SLOT)
         bench.fly(0.5)
@@ -347,7 +346,7 @@ def bench_in(alert):
     """Return a bench whose monitor is in an alert."""
     if alert is Alert.ESCAPE:
         bench = Bench(uav=(100.0, -300.0))
-        bench.uav = replace(bench.uav, vx_mps=0.0, vy_mps=20.0)
+        bench.uav = bench.uav._replace(vx_mps=0.0, vy_mps=20.0)
         bench.tell()
         bench.monitor.set_flown(np.array([[100.0, 3000.0]]))
         bench.fly(1.0)

@@ -7,7 +7,7 @@ Lengths in metres, angles in radians, counter-clockwise positive, headings measu
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
 def blown_mps(speed_mps: float, from_deg: float) -> tuple[float, float]:
@@ -22,8 +22,7 @@ def wrap_angle(angle_rad: float) -> float:
     return math.pi if wrapped == -math.pi else wrapped
 
 
-@dataclass(frozen=True, slots=True)
-class Pose:
+class Pose(NamedTuple):
     """A position [m] and a heading [rad] in the plane."""
 
     x_m: float

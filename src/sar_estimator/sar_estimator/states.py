@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +25,7 @@ class Phase(enum.StrEnum):
     LOST = "lost"
 
 
-@dataclass(frozen=True, slots=True)
-class Motion:
+class Motion(NamedTuple):
     """Position [m], velocity [m/s] and acceleration [m/s^2] of an aircraft at ``time_s``."""
 
     time_s: float
@@ -59,13 +59,7 @@ class Motion:
 
     def is_finite(self) -> bool:
         """Whether no component is NaN or infinite."""
-        return (
-            math.isfinite(self.time_s)
-            and math.isfinite(self.x_m)
-            and math.isfinite(self.y_m)
-            and math.isfinite(self.vx_mps)
-            and math.isfinite(self.vy_mps)
-        )
+        return math.isfinite(self.time_s + self.x_m + self.y_m + self.vx_mps + self.vy_mps)
 
 
 @dataclass(frozen=True, slots=True)

@@ -38,6 +38,10 @@ TRIED = 240
 TWO_PI = 2.0 * math.pi
 DETOUR_COST = 0.1
 LONGEST_TURN_RAD = 1.4 * math.pi
+ON_TRACK_M = 40.0
+ON_HEADING_RAD = math.radians(25.0)
+FRAME_SHIFT_M = 8.0
+FRAME_TURN_RAD = math.radians(2.0)
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,15 @@ class Approach:
         """Return where the path ends, in another slot's frame."""
         return frame.to_frame(self.frame.pose_to_map(self.path.end))
 
+    def misses(self, frame: CornerFrame, left_m: float, far_tolerance: float) -> bool:
+        """Whether the path's end is beside, or across, the slot track as it is known now.
+
+        What is far off need not be met so well yet: a young leg's direction is not known well.
+        """
+        end = self.end_in(frame)
+        shift = max(FRAME_SHIFT_M, far_tolerance * left_m)
+        return abs(end.y_m) > shift or abs(end.heading_rad) > FRAME_TURN_RAD * shift / FRAME_SHIFT_M
+
     def carried_on(self, uav: Pose, to_m: float) -> Pose:
         """Return the pose of a UAV that flies on from ``uav`` as the path does, to ``to_m`` [m]."""
         there, then = (
@@ -73,7 +86,12 @@ class Approach:
         )
         moved = uav.offset(there.along(then.x_m, then.y_m), there.across(then.x_m, then.y_m))
         turned = then.heading_rad - there.heading_rad
-        return replace(moved, heading_rad=wrap_angle(uav.heading_rad + turned))
+        return Pose(moved.x_m, moved.y_m, wrap_angle(uav.heading_rad + turned))
+
+
+def is_on_track(pose: Pose) -> bool:
+    """Whether a pose in a slot's frame is about on the slot track."""
+    return abs(pose.y_m) < ON_TRACK_M and abs(pose.heading_rad) < ON_HEADING_RAD
 
 
 def total_turn_rad(path: FlightPath) -> float:

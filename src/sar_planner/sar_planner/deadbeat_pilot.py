@@ -15,7 +15,14 @@ import numpy as np
 
 from sar_estimator.plane import Pose
 from sar_estimator.states import CornerEstimate, LegEstimate, Phase
-from sar_planner.approach import Approach, Recapture, final_lag_m, row_of, total_turn_rad
+from sar_planner.approach import (
+    Approach,
+    Recapture,
+    final_lag_m,
+    is_on_track,
+    row_of,
+    total_turn_rad,
+)
 from sar_planner.deadbeat import CONVERGED_M, DeadbeatRules
 from sar_planner.forecast import Forecast
 from sar_planner.geometry import CornerFrame, FlightPath, FloatArray
@@ -35,11 +42,7 @@ from sar_planner.separation import least_apart_m
 from sar_planner.situation import Situation
 from sar_planner.speed_trim import MadeGood, trimmed_mps
 
-ON_TRACK_M = 40.0
-ON_HEADING_RAD = math.radians(25.0)
 OFF_PATH_M = 20.0
-FRAME_SHIFT_M = 8.0
-FRAME_TURN_RAD = math.radians(2.0)
 SETTLED_RAD = math.radians(20.0)
 TIMING_M = 15.0
 MARGIN_SHARE = 0.4
@@ -71,6 +74,7 @@ class DeadbeatPilot(Pilot):
         self._retry_s = -math.inf
         self._followed_s = -math.inf
         self._corrected_s = -math.inf
+        self._led_s = -math.inf
 
     # Engagement --------------------------------------------------------------------------------
 
@@ -100,6 +104,7 @@ class DeadbeatPilot(Pilot):
 
     def begin(self) -> None:
         """Begin to lead; a corner that is already over is not planned."""
+        self._led_s = -math.inf
         self.lists.forget()
         self.problem = ""
         self._holding = False
@@ -130,13 +135,23 @@ class DeadbeatPilot(Pilot):
 
     def update(self, now_s: float) -> Listed | None:
         """Return the mode and the waypoints of a new list when one is due."""
+        if self._keeps(now_s):
+            return None
         self.problem = ""
         listed = self._decide(now_s)
         notes = (self.problem, self._unsafe, self._corner_note)
         self.problem = "; ".join(note for note in notes if note)
         return listed
 
+    def _keeps(self, now_s: float) -> bool:
+        """Whether the UAV keeps its place on a leg, looked at a moment ago: what was said stands.
+
+        A corner foretold ends the cruise.
+        """
+        return self._s.phase is Phase.CRUISE and self._led_s <= now_s < self._led_s + WATCH_S
+
     def _decide(self, now_s: float) -> Listed | None:
+        self._led_s = -math.inf
         if self.active is not None and not self.active.committed and self._s.went_on:
             self._leave()
         forecasts = self._s.forecasts(now_s)
@@ -250,7 +265,7 @@ class DeadbeatPilot(Pilot):
         assert uav is not None
         pose = frame.to_frame(uav.pose)
         across = pose.y_m + self._corner.spacing_m
-        if abs(across) > ON_TRACK_M or abs(pose.heading_rad) > ON_HEADING_RAD:
+        if not is_on_track(Pose(pose.x_m, across, pose.heading_rad)):
             return None
         parameters, lag = measured(estimate, frame, uav, self._corner)
         rules = DeadbeatRules(parameters, made_good=self.good.share)
@@ -378,13 +393,13 @@ class DeadbeatPilot(Pilot):
         rest = approach.path.cut(min(flown, approach.path.length_m))
         settled = done or total_turn_rad(rest) < SETTLED_RAD
         frame = self._s.slot_frame(forecasts[0].leg)
-        lost = done and not _on_track(approach.end_in(frame))
+        lost = done and not is_on_track(approach.end_in(frame))
         if (settled and self._on_slot(now_s, forecasts[0])) or overdue or lost:
             self._leave()
             return self._leg_list(now_s, forecasts)
         if done or now_s < self._retry_s:
             return None
-        moved = _misses(approach, frame, rest.length_m, self._mission.far_tolerance)
+        moved = approach.misses(frame, rest.length_m, self._mission.far_tolerance)
         there = approach.path.pose_at(flown)
         off_m = math.hypot(here.x_m - there.x_m, here.y_m - there.y_m)
         expected = tuple(forecast.in_frame(approach.frame) for forecast in forecasts)
@@ -491,7 +506,7 @@ class DeadbeatPilot(Pilot):
         speed = approach.speed_mps * self._share
         kept_m = least_apart_m(rest, expected, start_s=now_s, speed_mps=speed)
         safe = kept_m >= self._corner.separation_m
-        if safe and _on_track(approach.end_in(frame)):
+        if safe and is_on_track(approach.end_in(frame)):
             return None
         plan = self._rejoin_plan(now_s, forecasts)
         if plan is not None and plan.kept:
@@ -550,7 +565,7 @@ class DeadbeatPilot(Pilot):
     # Legs --------------------------------------------------------------------------------------
 
     def _on_slot(self, now_s: float, forecast: Forecast) -> bool:
-        return _on_track(self._uav_in(self._s.slot_frame(forecast.leg), now_s))
+        return is_on_track(self._uav_in(self._s.slot_frame(forecast.leg), now_s))
 
     def _leg_list(self, now_s: float, forecasts: tuple[Forecast, ...]) -> Listed | None:
         """Lead the UAV along its slot track and trim its speed, or back to it."""
@@ -571,20 +586,6 @@ class DeadbeatPilot(Pilot):
         )
         assert self._s.uav is not None
         assert self.slot is not None
+        self._led_s = now_s
         points = self.lists.track(self.slot, self._s.uav)
         return None if points is None else (str(Mode.LEG), points)
-
-
-def _on_track(pose: Pose) -> bool:
-    """Whether a pose in a slot's frame is about on the slot track."""
-    return abs(pose.y_m) < ON_TRACK_M and abs(pose.heading_rad) < ON_HEADING_RAD
-
-
-def _misses(approach: Approach, frame: CornerFrame, left_m: float, far_tolerance: float) -> bool:
-    """Whether the path's end is beside, or across, the slot track as it is known now.
-
-    What is far off need not be met so well yet: a young leg's direction is not known well.
-    """
-    end = approach.end_in(frame)
-    shift = max(FRAME_SHIFT_M, far_tolerance * left_m)
-    return abs(end.y_m) > shift or abs(end.heading_rad) > FRAME_TURN_RAD * shift / FRAME_SHIFT_M

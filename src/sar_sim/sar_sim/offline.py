@@ -87,11 +87,7 @@ def message_kind(message: Any) -> str:
 
 def corner_truth_text(corner: CornerTruth) -> str:
     """Return a true corner as JSON."""
-    values = asdict(corner)
-    for key in ("onset", "stop"):
-        pose = values[key]
-        values[key] = [pose["x_m"], pose["y_m"], pose["heading_rad"]]
-    return json.dumps(values)
+    return json.dumps(asdict(corner))
 
 
 def scenario_text(scenario: Scenario) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from sar_estimator.plane import wrap_angle
 from sar_estimator.states import Motion
@@ -11,8 +12,7 @@ from sar_estimator.states import Motion
 G_MPS2 = 9.80665
 
 
-@dataclass(frozen=True, slots=True)
-class UavState:
+class UavState(NamedTuple):
     """Position [m], heading [rad], airspeed [m/s] and turn rate [rad/s] at ``time_s``."""
 
     time_s: float
