@@ -94,6 +94,11 @@ make_environment
 build
 # shellcheck disable=SC1091
 set +u && . install/setup.bash && set -u
+if [ ! install/.compiled -nt install/.built ]; then
+    # What becomes machine code becomes it now, not when a flight begins.
+    python -c 'import sar_sim.offline' || fail "the build does not run"
+    touch install/.compiled
+fi
 for option in "$@"; do
     if [ "$option" = --setup ]; then
         echo "Set up and built. ./launch.sh flies."
