@@ -79,7 +79,9 @@ def test_benchmark_prints_its_figures(capsys):
         assert line.startswith(f"20 replans, L from -150 to 1000 m, {kind}: median ")
 
 
-@pytest.mark.parametrize("name", ["closed_loop", "extra_path", "hover", "angles", "drift"])
+@pytest.mark.parametrize(
+    "name", ["closed_loop", "extra_path", "wide_turns", "hover", "angles", "drift"]
+)
 def test_shipped_scenarios_load(name):
     from sar_sim.options import find_scenario  # noqa: PLC0415
     from sar_sim.scenario import load_scenario  # noqa: PLC0415

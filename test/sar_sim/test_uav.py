@@ -145,3 +145,14 @@ def test_lookahead_runs_around_corners():
     points = ((0.0, 0.0), (10.0, 0.0), (10.0, 10.0))
     assert lookahead_point(points, (8.0, 1.0), 5.0) == pytest.approx((10.0, 3.0))
     assert lookahead_point(points[1:], (10.0, 8.0), 5.0) == pytest.approx((10.0, 13.0))
+
+
+def test_it_turns_no_tighter_than_told():
+    autopilot = SimAutopilot(Pose(0.0, 0.0, 0.0), speed_mps=20.0, datum=DATUM)
+    autopilot.turn_no_tighter(140.0)
+    autopilot.set_mode(FlightMode.LOITER)
+    rates = []
+    for _ in range(400):
+        autopilot.step(0.05)
+        rates.append(abs(autopilot.state.turn_rate_radps))
+    assert max(rates) == pytest.approx(20.0 / 140.0)

@@ -205,6 +205,10 @@ class SimAutopilot:
         self._owed_m = extra_m
         self._oscillating = False
 
+    def turn_no_tighter(self, radius_m: float) -> None:
+        """From now on, turn with this radius [m] at the tightest: of the kinematic model only."""
+        self._limits = replace(self._limits, min_radius_m=radius_m)
+
     def _made_good(self, dt_s: float) -> float:
         """Return how long it would take to fly what is made good of ``dt_s`` [s]."""
         if self._owed_m <= 0.0:

@@ -122,7 +122,9 @@ class Uav:
     ``seed``): the error of the paper's hardware-in-the-loop runs. ``lag_m``: L(1). ``autopilot``:
     ideal (the paper's kinematic model), arduplane, or piccolo2005 (overestimates its turn rate);
     in YAML it also sets defaults. ``roll_lag_s``, ``speed_lag_s``: time constants of turn rate and
-    airspeed, 0 for none. Of ideal only, ``min_radius_m``: tightest turn at cruise speed,
+    airspeed, 0 for none. Of ideal only, ``min_radius_m``: tightest turn at cruise speed; where
+    ``widest_radius_m`` is larger, the tightest turn is drawn anew at every corner, evenly between
+    the two, from ``seed`` (a turn rate that is overestimated, as the paper has it);
     ``lookahead_m``: of the path follower. Of the others, ``l1_period_s``, ``l1_damping``,
     ``wp_radius_m``, ``roll_limit_deg``: NAVL1_PERIOD, NAVL1_DAMPING, WP_RADIUS, ROLL_LIMIT_DEG;
     ``turn_share``: turn rate over that of a coordinated turn at the same bank;
@@ -150,6 +152,7 @@ class Uav:
     item_s: float = 0.0
     extra_path_min_m: float = 0.0
     extra_path_max_m: float = 0.0
+    widest_radius_m: float = 0.0
     seed: int = 1
 
 
@@ -278,8 +281,10 @@ class Scenario:
         _expect(
             "uav.min_radius_m",
             self.uav.min_radius_m,
-            "not more than corner.turn_radius_m",
-            ok=0.0 < self.uav.min_radius_m <= self.corner.turn_radius_m,
+            "not more than corner.turn_radius_m or uav.widest_radius_m, and more than 0",
+            ok=0.0
+            < self.uav.min_radius_m
+            <= max(self.corner.turn_radius_m, self.uav.widest_radius_m),
         )
         _expect(
             "uav.extra_path_max_m",
@@ -318,6 +323,7 @@ class Scenario:
             ("uav", "speed_lag_s"),
             ("uav", "item_s"),
             ("uav", "extra_path_min_m"),
+            ("uav", "widest_radius_m"),
             ("uav", "believed_radius_m"),
             ("wind", "speed_mps"),
             ("wind", "gust_sigma_mps"),

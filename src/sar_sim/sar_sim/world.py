@@ -120,6 +120,9 @@ class World:
             uav = self.scenario.uav
             extra = self._extra.uniform(uav.extra_path_min_m, uav.extra_path_max_m)
             self.autopilot.owe(float(extra))
+            if uav.widest_radius_m > uav.min_radius_m:
+                radius = self._extra.uniform(uav.min_radius_m, uav.widest_radius_m)
+                self.autopilot.turn_no_tighter(float(radius))
         self.autopilot.wind_mps = self._gusts.step(STEP_S)
         self.autopilot.step(STEP_S)
         return [
