@@ -54,3 +54,31 @@ def test_extra_path_defeats_the_papers_rules():
     assert min(flown.lags_m[2:]) > 250.0
     assert {"T1", "T2"} == set(flown.rules)
     assert flown.separation_m < 100.0
+
+
+def _wide_turns(rules, **changed):
+    scenario = load_scenario(find_scenario("wide_turns"))
+    short = replace(
+        scenario,
+        pattern=replace(scenario.pattern, corners=6),
+        uav=replace(scenario.uav, lag_m=200.0),
+        **changed,
+    )
+    flight = OfflineFlight(short, rules=rules, watch_only=rules == "paper")
+    seen = Observer(flight.world)
+    flight.run(observe=seen)
+    return flight.planner, seen
+
+
+def test_wide_turns_defeat_the_papers_rules():
+    planner, seen = _wide_turns("paper")
+    assert max(seen.lags_m[2:]) > 500.0
+    assert seen.separation_m < 100.0
+    assert planner.turn_radius_m == 100.0
+
+
+def test_wide_turns_are_learnt():
+    planner, seen = _wide_turns("deadbeat", arc_spacing_m=20.0)
+    assert max(abs(lag) for lag in seen.lags_m[1:]) <= 15.0
+    assert seen.separation_m >= LEAST_M
+    assert 132.0 < planner.turn_radius_m < 1.12 * 150.0

@@ -138,6 +138,8 @@ class DeadbeatPilot(Pilot):
         if self._keeps(now_s):
             return None
         self.problem = ""
+        if self._learn_radius(on_path=self.approach is not None):
+            self.good.cancel()  # what wide turns cost in this corner is no bias of the next
         listed = self._decide(now_s)
         notes = (self.problem, self._unsafe, self._corner_note)
         self.problem = "; ".join(note for note in notes if note)
@@ -335,6 +337,7 @@ class DeadbeatPilot(Pilot):
 
     def _begin(self, approach: Approach, now_s: float) -> None:
         """Follow another path from now on."""
+        self.turns.news = False
         self.approach = approach
         self.speed_mps = approach.speed_mps
         self._followed_s = now_s
@@ -399,7 +402,9 @@ class DeadbeatPilot(Pilot):
             return self._leg_list(now_s, forecasts)
         if done or now_s < self._retry_s:
             return None
-        moved = approach.misses(frame, rest.length_m, self._mission.far_tolerance)
+        moved = self.turns.news or approach.misses(
+            frame, rest.length_m, self._mission.far_tolerance
+        )
         there = approach.path.pose_at(flown)
         off_m = math.hypot(here.x_m - there.x_m, here.y_m - there.y_m)
         expected = tuple(forecast.in_frame(approach.frame) for forecast in forecasts)

@@ -266,6 +266,11 @@ class MissionPlanner:
         return self._pilot.made_good
 
     @property
+    def turn_radius_m(self) -> float:
+        """The radius that paths are planned with: more than the configured one where learnt [m]."""
+        return self._pilot.turns.radius_m
+
+    @property
     def kept_lag_m(self) -> float:
         """The lag kept on legs for a UAV that makes little of its speed good [m], else 0."""
         return self._pilot.kept_lag_m

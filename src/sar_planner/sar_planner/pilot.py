@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import replace
 
 from sar_estimator.plane import Pose
 from sar_estimator.states import LegEstimate
@@ -10,6 +11,7 @@ from sar_planner.lists import Listed, WaypointLists
 from sar_planner.mission_parameters import ActiveCorner, MissionParameters, Mode
 from sar_planner.parameters import CornerParameters
 from sar_planner.situation import Situation
+from sar_planner.turn_radius import TurnRadius
 
 
 class Pilot(ABC):
@@ -18,7 +20,7 @@ class Pilot(ABC):
     ``active``: the corner being flown. ``problem``: why it cannot do what it should, empty when all
     is well. ``speed_mps``: the ground speed asked for, None where it is left to the autopilot.
     ``slot``: the slot track. ``corrections``: how often a path was corrected. ``kept_lag_m``: the
-    lag kept on purpose.
+    lag kept on purpose. ``turns``: the radius that the UAV's paths are planned with.
     """
 
     def __init__(
@@ -35,6 +37,7 @@ class Pilot(ABC):
         self.slot: Pose | None = None
         self.corrections = 0
         self.kept_lag_m = 0.0
+        self.turns = TurnRadius(corner.turn_radius_m, corner.spacing_m)
 
     @property
     @abstractmethod
@@ -50,6 +53,20 @@ class Pilot(ABC):
     def course_rad(self) -> float:
         """The course on which the UAV will be when a speed asked for now is flown."""
         return 0.0
+
+    def _learn_radius(self, *, on_path: bool) -> bool:
+        """Plan with the radius that the UAV turns with; return whether it is news.
+
+        ``on_path``: whether a path is flown: what other circles it flies is its own choice. An
+        autopilot that tells of its guidance is led so that it flies the arcs it is given.
+        """
+        if not on_path or self._s.uav is None or self.lists.tuning is not None:
+            self.turns.forget_turn()
+            return False
+        learnt = self.turns.watch(self._s.uav)
+        if learnt:
+            self._corner = replace(self._corner, turn_radius_m=self.turns.radius_m)
+        return learnt
 
     @abstractmethod
     def begin(self) -> None:
