@@ -40,7 +40,12 @@ def test_a_table_is_markdown():
 
 
 def test_every_planner_on_every_autopilot_stands_beside_the_papers_print():
-    text = page(made_up("planners"), made_up("extra_path"), [-200.0, 0.0, 477.0], " --seeds 3")
+    text = page(
+        made_up("planners"),
+        {"loses way": made_up("extra_path")},
+        [-200.0, 0.0, 477.0],
+        " --seeds 3",
+    )
     assert "`ros2 run sar_sim results --out docs --seeds 3`" in text
     assert "81 missions" in text
     lines = [line for line in text.splitlines() if line.startswith("| ")]

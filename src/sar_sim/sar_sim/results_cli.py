@@ -23,7 +23,7 @@ from sar_sim.missions import seeded
 from sar_sim.offline import OfflineFlight
 from sar_sim.options import find_plan
 from sar_sim.pool import add_work_options
-from sar_sim.results import AUTOPILOTS, PLANNERS, SAFETY_STEP_M, keyed, page
+from sar_sim.results import ERRORS, AUTOPILOTS, PLANNERS, SAFETY_STEP_M, keyed, page
 from sar_sim.rules_figure_cli import sweep
 
 LOW_M, HIGH_M = -800.0, 1400.0
@@ -58,7 +58,7 @@ def _draw_flight(one: Combination, work: Path, out: Path) -> None:
 def write_results(out: Path, work: Path, args: argparse.Namespace) -> None:
     """Fly what is not flown yet, and write page and figures."""
     found = _flown("planners", work, args)
-    failed = _flown("extra_path", work, args)
+    failed = {error: _flown(plan, work, args) for error, plan in ERRORS.items()}
     by_key = keyed(found)
     out.mkdir(parents=True, exist_ok=True)
     panels = [
