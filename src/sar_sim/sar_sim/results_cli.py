@@ -23,7 +23,7 @@ from sar_sim.missions import seeded
 from sar_sim.offline import OfflineFlight
 from sar_sim.options import find_plan
 from sar_sim.pool import add_work_options
-from sar_sim.results import ERRORS, AUTOPILOTS, PLANNERS, SAFETY_STEP_M, keyed, page
+from sar_sim.results import AUTOPILOTS, ERRORS, PLANNERS, SAFETY_STEP_M, keyed, page
 from sar_sim.rules_figure_cli import sweep
 
 LOW_M, HIGH_M = -800.0, 1400.0
