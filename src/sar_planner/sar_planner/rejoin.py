@@ -38,12 +38,20 @@ REFINEMENTS = 5
 REFINED_SHARE = 1.25
 REFINED_RAD = math.radians(6.0)
 REFINED_GRID = 7
+LAST_TURN = 6
+POLISHED = 3
+POLISHINGS = 5
+POLISHED_LAST_RAD = math.radians(8.0)
+POLISHED_RAD = math.radians(12.0)
+POLISHED_GRID = 9
+POLISHED_SPEED_SHARE = 0.25
 HEADINGS_DEG: tuple[float, ...] = (
     *(0, 2.5, 5, 7.5, 10, 13, 16, 20, 24, 28, 32, 36, 40, 45, 50, 55, 60, 66, 72, 80),
     *(90, 105, 120, 135, 150, 165),
 )
 HEADINGS_RAD = np.radians(np.array([*HEADINGS_DEG, *(-angle for angle in HEADINGS_DEG[1:]), 180.0]))
-LAST_TURNS_RAD = tuple(math.radians(angle) for angle in (0.0, -25.0, -50.0, -80.0, 25.0, 50.0))
+LAST_TURNS_DEG = (0.0, -20.0, -35.0, -50.0, -57.5, -65.0, -80.0, 25.0, 50.0)
+LAST_TURNS_RAD = tuple(math.radians(angle) for angle in LAST_TURNS_DEG)
 SIDES = (1, -1)
 
 
@@ -98,6 +106,17 @@ class _Found:
 
     def durations_s(self, radius_m: float) -> FloatArray:
         return lengths_m(self.rows, radius_m) / self.speeds
+
+
+@dataclass(frozen=True)
+class _Capture:
+    """One capture: its duration [s], speed, last turn, the other turns' sides, and its row."""
+
+    time_s: float
+    speed_mps: float
+    last_turn_rad: float
+    sides: tuple[int, int, int]
+    row: FloatArray
 
 
 def _latest_s(task: RejoinTask) -> float:
@@ -207,6 +226,31 @@ class _Search:
             spread *= 0.5
         return row, time_s
 
+    def polish(self, one: _Capture) -> _Capture:
+        """Search ever finer about a capture's last turn, speed and headings for a sooner one."""
+        task = self.task
+        d_turn = POLISHED_LAST_RAD
+        d_speed = POLISHED_SPEED_SHARE * (task.fastest_mps - task.slowest_mps)
+        spread = POLISHED_RAD
+        for _ in range(POLISHINGS):
+            for turned, sped in ((d_turn, 0.0), (-d_turn, 0.0), (0.0, d_speed), (0.0, -d_speed)):
+                last = one.last_turn_rad + turned
+                speed = min(max(one.speed_mps + sped, task.slowest_mps), task.fastest_mps)
+                problem = CaptureProblem(
+                    task.start, task.turn_radius_m, task.forecast.speed_mps / speed, last
+                )
+                heading_1 = task.start.heading_rad + one.row[1]
+                steps = np.linspace(-spread, spread, POLISHED_GRID)
+                found = self.captures(
+                    problem, one.sides, heading_1 + steps, heading_1 + one.row[3] + steps
+                )
+                at = self.first_kept(found, before_s=one.time_s)
+                if at is not None:
+                    time_s = float(found.durations_s(task.turn_radius_m)[at])
+                    one = _Capture(time_s, speed, last, one.sides, found.rows[at])
+            d_turn, d_speed, spread = 0.5 * d_turn, 0.5 * d_speed, 0.6 * spread
+        return one
+
     def plan(self, rows: FloatArray, speed: float, *, kept: bool = True) -> RejoinPlan:
         found = _Found(rows[None, :], np.array([speed]))
         path = PathBatch(self.task.start, self.task.turn_radius_m, found.rows).path(0)
@@ -271,14 +315,19 @@ def _one_search(task: RejoinTask) -> tuple[RejoinPlan | None, bool]:
         return _farthest(search, everything), False
     best_row, best_speed = everything.rows[index], float(everything.speeds[index])
     best_s = first_s = float(lengths_m(best_row, task.turn_radius_m)) / best_speed
+    refined = []
     for kind, part in zip(kinds, captured, strict=True):
         at = search.first_kept(part, before_s=REFINED_SHARE * first_s)
         if at is None:
             continue
         begun_s = float(part.durations_s(task.turn_radius_m)[at])
         row, time_s = search.refine(*kind, part.rows[at], begun_s)
-        if time_s < best_s:
-            best_row, best_speed, best_s = row, float(part.speeds[at]), time_s
+        speed, last = float(part.speeds[at]), float(row[LAST_TURN])
+        refined.append(_Capture(time_s, speed, last, kind[1], row))
+    for one in sorted(refined, key=lambda capture: capture.time_s)[:POLISHED]:
+        polished = search.polish(one)
+        if polished.time_s < best_s:
+            best_row, best_speed, best_s = polished.row, polished.speed_mps, polished.time_s
     return search.plan(best_row, best_speed), False
 
 
