@@ -13,7 +13,9 @@ from sar_estimator.plane import Pose, wrap_angle
 from sar_planner.forecast import Forecast, cornering, cruising, departing
 from sar_planner.parameters import CornerParameters
 from sar_planner.rejoin import RejoinTask, rejoin
-from sar_planner.rejoin_bound import Limits, gates_of, lower_bound_s, unhindered_s
+from sar_planner.rejoin_bound import lower_bound_s, unhindered_s
+from sar_planner.rejoin_bound import prepare as prepare_bound
+from sar_planner.rejoin_gates import Limits
 from sar_planner.waypoints import path_waypoints
 from sar_sim.autopilot import FlightMode, SimAutopilot
 
@@ -106,7 +108,7 @@ def random_task(seed: int, p: CornerParameters) -> tuple[str, RejoinTask]:
 
 def prepare(p: CornerParameters | None = None) -> None:
     """Solve once what the bounds of all starts have in common."""
-    gates_of(Limits.of(random_task(0, p or CornerParameters())[1]))
+    prepare_bound(Limits.of(random_task(0, p or CornerParameters())[1]))
 
 
 def fly(seed: int, p: CornerParameters | None = None) -> Trial:
