@@ -32,7 +32,9 @@ CHUNK = 64
 TRIED = 640
 FARTHEST = 200
 SLACK_S = 60.0
-LOOKED_AGAIN = (0.5, 0.6, 0.7, 0.8)
+LOOKED_AGAIN = (0.1, 0.2, 0.35, 0.5, 0.6, 0.7, 0.8)
+SOON_ENOUGH = 1.03
+ENTRY_STEP_S = 0.05
 WORTHWHILE_S = 0.2
 REFINEMENTS = 5
 REFINED_SHARE = 1.25
@@ -132,14 +134,33 @@ def timed_words(task: RejoinTask, step_s: float = STEP_S) -> tuple[FloatArray, F
 
     In order of arrival, one set for every ``step_s`` [s].
     """
+    rows, speeds, fits = _words_over_time(task, step_s)
+    when, word = np.nonzero(fits.T)
+    return rows[word, when], speeds[word, when]
+
+
+def word_entries(task: RejoinTask) -> tuple[FloatArray, FloatArray]:
+    """Return, as ``timed_words``, the words at the times from which on they can meet the slot.
+
+    Some can only for a moment.
+    """
+    rows, speeds, fits = _words_over_time(task, ENTRY_STEP_S)
+    fits[:, 1:] &= ~fits[:, :-1]
+    when, word = np.nonzero(fits.T)
+    return rows[word, when], speeds[word, when]
+
+
+def _words_over_time(
+    task: RejoinTask, step_s: float
+) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    """Return all words to the slot, their speeds, and whether these are within the limits."""
     times = np.arange(step_s, _latest_s(task), step_s)
     slot = task.forecast.slot_x_m(task.start_s) + task.forecast.speed_mps * times
     targets = np.column_stack((slot, np.zeros_like(slot), np.zeros_like(slot)))
     rows = words(task.start, targets, task.turn_radius_m)
     speeds = lengths_m(rows, task.turn_radius_m) / times[None, :]
     fits = (speeds >= task.slowest_mps - 1e-9) & (speeds <= task.fastest_mps + 1e-9)
-    when, word = np.nonzero(fits.T)
-    return rows[word, when], speeds[word, when]
+    return rows, speeds, np.asarray(fits, dtype=np.bool_)
 
 
 class _Search:
@@ -263,6 +284,10 @@ def rejoin(task: RejoinTask) -> RejoinPlan | None:
     plan, quick = _one_search(task)
     if plan is None or quick or not plan.kept:
         return plan
+    rows, speeds = word_entries(task)
+    durations = lengths_m(rows, task.turn_radius_m) / speeds
+    if plan.duration_s <= SOON_ENOUGH * float(durations.min(initial=math.inf)):
+        return plan
     for share in LOOKED_AGAIN:
         plan = _looked_again(task, plan, share)
     return plan
@@ -296,7 +321,11 @@ def _looked_again(task: RejoinTask, plan: RejoinPlan, share: float) -> RejoinPla
 def _one_search(task: RejoinTask) -> tuple[RejoinPlan | None, bool]:
     """Return the soonest path of the two kinds, and whether it is about the soonest there is."""
     search = _Search(task)
-    word_rows, word_speeds = timed_words(task)
+    word_rows, word_speeds = (
+        np.concatenate(parts) for parts in zip(timed_words(task), word_entries(task), strict=True)
+    )
+    order = np.argsort(lengths_m(word_rows, task.turn_radius_m) / word_speeds, kind="stable")
+    word_rows, word_speeds = word_rows[order], word_speeds[order]
     found = _Found(word_rows, word_speeds)
     if len(word_rows):
         soonest = float(found.durations_s(task.turn_radius_m)[0])

@@ -9,6 +9,9 @@ The largest of four, each of which no flyable path that keeps the separation can
   kept free, and by the poses in which the helicopter's line can be crossed.
 * *Contact* (``rejoin_contacts``): the soonest path touches the disc or is a word that stays clear
   of it; where it touches, it is tangent to the disc, and what is left from there is known.
+
+The least over gates and over contacts is taken on grids, between whose poses a path can be a little
+sooner than by any of them; ``GRID_SHARE`` of it is taken for the bound.
 """
 
 from __future__ import annotations
@@ -24,6 +27,7 @@ from sar_planner.rejoin_gates import Limits, gates_of
 
 UNHINDERED_STEP_S = 0.02
 CLOSE_SHARE = 1.03
+GRID_SHARE = 0.995
 
 
 def unhindered_s(task: RejoinTask) -> float:
@@ -58,7 +62,7 @@ def lower_bound_s(task: RejoinTask, upper_s: float) -> float:
         here = np.array([[task.ahead_m, task.start.y_m]])
         bound = max(bound, float(gates.around.times_s(here)[0]))
     if task.start.y_m > limits.spacing_m:
-        bound = max(bound, gates.bound_s(task, upper_s))
+        bound = max(bound, GRID_SHARE * gates.bound_s(task, upper_s))
     if CLOSE_SHARE * bound >= upper_s:
         return bound
-    return max(bound, hindered_s(task, contacts_of(limits), upper_s))
+    return max(bound, GRID_SHARE * hindered_s(task, contacts_of(limits), upper_s))

@@ -183,9 +183,7 @@ class Contacts:
                 headings.ravel(),
             )
         )
-        least = np.maximum(
-            gates.to_slot_s(self.poses), gates.around.times_s(self.poses[:, :2])
-        )
+        least = np.maximum(gates.to_slot_s(self.poses), gates.around.times_s(self.poses[:, :2]))
         words_s = np.maximum(least, self._word_s())
         hops = self._hop_s(least, np.minimum(words_s, HORIZON_S))
         left = np.minimum(words_s, HORIZON_S)
