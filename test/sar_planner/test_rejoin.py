@@ -71,3 +71,16 @@ def test_no_room_is_said():
     plan = rejoin(task(Pose(-150.0, 250.0, 0.0)))
     assert not plan.kept
     assert plan.closest_m < 200.0
+
+
+def test_a_word_that_fits_for_a_moment_only_is_found():
+    plan = rejoin(task(Pose(241.66, -161.27, math.radians(132.162))))
+    assert plan.duration_s < 20.0
+    assert plan.kept
+
+
+def test_last_turn_and_speed_are_polished():
+    # Around the helicopter, down across the slot track and back up: 61.6 s is the bound.
+    plan = rejoin(task(Pose(184.42, 523.33, math.radians(-32.397)), separation=205.0))
+    assert plan.kept
+    assert plan.duration_s < 68.0

@@ -8,8 +8,8 @@ import pytest
 from sar_estimator.plane import Pose
 from sar_planner.forecast import cruising, departing
 from sar_planner.rejoin import RejoinTask, rejoin
+from sar_planner.rejoin_around import Around, Limits
 from sar_planner.rejoin_bound import lower_bound_s, unhindered_s
-from sar_planner.rejoin_gates import Around, Limits
 
 LIMITS = Limits(20.0, 18.0, 22.0, 100.0, 250.0, 205.0)
 LEG = Pose(0.0, 250.0, 0.0)

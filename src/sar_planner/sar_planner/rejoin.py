@@ -35,6 +35,7 @@ SLACK_S = 60.0
 LOOKED_AGAIN = (0.1, 0.2, 0.35, 0.5, 0.6, 0.7, 0.8)
 SOON_ENOUGH = 1.03
 ENTRY_STEP_S = 0.05
+ENTRIES_SHARE = 2.0
 WORTHWHILE_S = 0.2
 REFINEMENTS = 5
 REFINED_SHARE = 1.25
@@ -129,32 +130,34 @@ def _latest_s(task: RejoinTask) -> float:
     return far / max(gain, 0.02 * v) + SLACK_S
 
 
-def timed_words(task: RejoinTask, step_s: float = STEP_S) -> tuple[FloatArray, FloatArray]:
+def timed_words(
+    task: RejoinTask, step_s: float = STEP_S, until_s: float = math.inf
+) -> tuple[FloatArray, FloatArray]:
     """Return the Dubins words that meet the slot: rows, shape (n, 7), and speeds, shape (n,).
 
-    In order of arrival, one set for every ``step_s`` [s].
+    In order of arrival before ``until_s``, one set for every ``step_s`` [s].
     """
-    rows, speeds, fits = _words_over_time(task, step_s)
+    rows, speeds, fits = _words_over_time(task, step_s, until_s)
     when, word = np.nonzero(fits.T)
     return rows[word, when], speeds[word, when]
 
 
-def word_entries(task: RejoinTask) -> tuple[FloatArray, FloatArray]:
+def word_entries(task: RejoinTask, until_s: float) -> tuple[FloatArray, FloatArray]:
     """Return, as ``timed_words``, the words at the times from which on they can meet the slot.
 
     Some can only for a moment.
     """
-    rows, speeds, fits = _words_over_time(task, ENTRY_STEP_S)
+    rows, speeds, fits = _words_over_time(task, ENTRY_STEP_S, until_s)
     fits[:, 1:] &= ~fits[:, :-1]
     when, word = np.nonzero(fits.T)
     return rows[word, when], speeds[word, when]
 
 
 def _words_over_time(
-    task: RejoinTask, step_s: float
+    task: RejoinTask, step_s: float, until_s: float
 ) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
     """Return all words to the slot, their speeds, and whether these are within the limits."""
-    times = np.arange(step_s, _latest_s(task), step_s)
+    times = np.arange(step_s, min(until_s, _latest_s(task)), step_s)
     slot = task.forecast.slot_x_m(task.start_s) + task.forecast.speed_mps * times
     targets = np.column_stack((slot, np.zeros_like(slot), np.zeros_like(slot)))
     rows = words(task.start, targets, task.turn_radius_m)
@@ -284,10 +287,6 @@ def rejoin(task: RejoinTask) -> RejoinPlan | None:
     plan, quick = _one_search(task)
     if plan is None or quick or not plan.kept:
         return plan
-    rows, speeds = word_entries(task)
-    durations = lengths_m(rows, task.turn_radius_m) / speeds
-    if plan.duration_s <= SOON_ENOUGH * float(durations.min(initial=math.inf)):
-        return plan
     for share in LOOKED_AGAIN:
         plan = _looked_again(task, plan, share)
     return plan
@@ -318,17 +317,24 @@ def _looked_again(task: RejoinTask, plan: RejoinPlan, share: float) -> RejoinPla
     return RejoinPlan(path, speed, duration_s, closest, kept=True)
 
 
+def _soonest_s(task: RejoinTask, rows: FloatArray, speeds: FloatArray) -> float:
+    """Return the least duration [s], infinite for none."""
+    return float((lengths_m(rows, task.turn_radius_m) / speeds).min(initial=math.inf))
+
+
 def _one_search(task: RejoinTask) -> tuple[RejoinPlan | None, bool]:
     """Return the soonest path of the two kinds, and whether it is about the soonest there is."""
     search = _Search(task)
-    word_rows, word_speeds = (
-        np.concatenate(parts) for parts in zip(timed_words(task), word_entries(task), strict=True)
-    )
+    coarse = timed_words(task)
+    soonest = _soonest_s(task, *coarse)
+    entries = word_entries(task, ENTRIES_SHARE * soonest)
+    soonest = min(soonest, _soonest_s(task, *entries))
+    word_rows = np.concatenate((coarse[0], entries[0]))
+    word_speeds = np.concatenate((coarse[1], entries[1]))
     order = np.argsort(lengths_m(word_rows, task.turn_radius_m) / word_speeds, kind="stable")
     word_rows, word_speeds = word_rows[order], word_speeds[order]
     found = _Found(word_rows, word_speeds)
     if len(word_rows):
-        soonest = float(found.durations_s(task.turn_radius_m)[0])
         quick = _Found(word_rows[:QUICK], word_speeds[:QUICK])
         index = search.first_kept(quick, before_s=QUICK_SHARE * soonest + STEP_S)
         if index is not None:
@@ -357,7 +363,7 @@ def _one_search(task: RejoinTask) -> tuple[RejoinPlan | None, bool]:
         polished = search.polish(one)
         if polished.time_s < best_s:
             best_row, best_speed, best_s = polished.row, polished.speed_mps, polished.time_s
-    return search.plan(best_row, best_speed), False
+    return search.plan(best_row, best_speed), best_s <= SOON_ENOUGH * soonest
 
 
 def _farthest(search: _Search, found: _Found) -> RejoinPlan | None:

@@ -45,7 +45,7 @@ from sar_planner.dubins import lengths_m, words
 from sar_planner.forecast import cruising
 from sar_planner.geometry import FloatArray
 from sar_planner.rejoin import RejoinTask, timed_words
-from sar_planner.rejoin_gates import HERE, Gates, Limits, gates_of, seen_from
+from sar_planner.rejoin_around import HERE, Around, Limits, seen_from
 from sar_planner.separation import least_distances_m
 
 CONTACT_STEP_RAD = math.radians(3.0)
@@ -72,7 +72,7 @@ def clear_word_s(task: RejoinTask, upper_s: float) -> float:
 
     Infinite where there is none before ``upper_s``.
     """
-    rows, speeds = timed_words(task, WORD_STEP_S)
+    rows, speeds = timed_words(task, WORD_STEP_S, upper_s + 2.0 * WORD_STEP_S)
     durations = lengths_m(rows, task.turn_radius_m) / speeds
     count = int(np.count_nonzero(durations < upper_s + WORD_STEP_S))
     for begin in range(0, count, WORDS):
@@ -167,10 +167,10 @@ def first_clear_s(
 class Contacts:
     """Poses that touch the disc about the cruising helicopter, and what is left from them."""
 
-    def __init__(self, gates: Gates) -> None:
+    def __init__(self, limits: Limits) -> None:
         """Lay the grid out and solve what is left."""
-        self.gates = gates
-        self.limits = limits = gates.limits
+        self.limits = limits
+        self.around = Around(limits)
         angles = np.arange(0.0, 2.0 * math.pi - 1e-9, CONTACT_STEP_RAD)
         velocities = np.tile((limits.slot_mps, 0.0), (len(angles), 1))
         headings = tangent_headings(angles, velocities, limits)
@@ -183,7 +183,7 @@ class Contacts:
                 headings.ravel(),
             )
         )
-        least = np.maximum(gates.to_slot_s(self.poses), gates.around.times_s(self.poses[:, :2]))
+        least = np.maximum(limits.to_slot_s(self.poses), self.around.times_s(self.poses[:, :2]))
         words_s = np.maximum(least, self._word_s())
         hops = self._hop_s(least, np.minimum(words_s, HORIZON_S))
         left = np.minimum(words_s, HORIZON_S)
@@ -353,4 +353,4 @@ def _by_moving_contact_s(task: RejoinTask, contacts: Contacts, upper_s: float) -
 @lru_cache(maxsize=2)
 def contacts_of(limits: Limits) -> Contacts:
     """Return the contacts, solved once for all starts."""
-    return Contacts(gates_of(limits))
+    return Contacts(limits)

@@ -13,9 +13,9 @@ from sar_estimator.plane import Pose, wrap_angle
 from sar_planner.forecast import Forecast, cornering, cruising, departing
 from sar_planner.parameters import CornerParameters
 from sar_planner.rejoin import RejoinTask, rejoin
+from sar_planner.rejoin_around import Limits
 from sar_planner.rejoin_bound import lower_bound_s, unhindered_s
 from sar_planner.rejoin_bound import prepare as prepare_bound
-from sar_planner.rejoin_gates import Limits
 from sar_planner.waypoints import path_waypoints
 from sar_sim.autopilot import FlightMode, SimAutopilot
 

@@ -1,0 +1,104 @@
+"""What is left from contacts with the disc, and the bound by them."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sar_estimator.plane import Pose
+from sar_planner.forecast import cornering, cruising, departing
+from sar_planner.rejoin import RejoinTask, rejoin
+from sar_planner.rejoin_around import Limits
+from sar_planner.rejoin_bound import lower_bound_s, unhindered_s
+from sar_planner.rejoin_contacts import (
+    WORD_STEP_S,
+    clear_word_s,
+    contacts_of,
+    first_clear_s,
+    hindered_s,
+    tangent_headings,
+)
+
+LIMITS = Limits(20.0, 18.0, 22.0, 100.0, 250.0, 205.0)
+LEG = Pose(0.0, 250.0, 0.0)
+CRUISE = cruising(0.0, LEG, 20.0)
+BEFORE_CRUISE = (
+    departing(5.0, LEG, 0.0, speed_mps=20.0, accel_mps2=2.5),
+    cornering(-3.0, Pose(0.0, 250.0, math.pi / 2.0), speed_mps=20.0, accel_mps2=2.5),
+)
+
+
+def task(x, y, heading_deg, forecast=CRUISE):
+    """``x``: ahead of the slot."""
+    start = Pose(x + forecast.slot_x_m(0.0), y, math.radians(heading_deg))
+    return RejoinTask(start, 0.0, (forecast,), 100.0, 18.0, 22.0, 205.0)
+
+
+def test_tangent_headings_neither_near_nor_leave_the_helicopter():
+    angles = np.linspace(-3.0, 3.0, 13)
+    velocities = np.tile((12.0, -5.0), (13, 1))
+    headings = tangent_headings(angles, velocities, LIMITS)
+    speeds = np.array((18.0, 22.0, 18.0, 22.0))
+    normal = np.stack((np.cos(angles), np.sin(angles)))[:, :, None]
+    radial = (speeds * np.cos(headings) - velocities[:, :1]) * normal[0]
+    radial += (speeds * np.sin(headings) - velocities[:, 1:]) * normal[1]
+    assert radial == pytest.approx(np.zeros((13, 4)), abs=1e-9)
+
+
+def test_a_word_that_nothing_is_in_the_way_of_is_clear():
+    asked = task(500.0, -300.0, -120.0)
+    free = unhindered_s(asked)
+    assert clear_word_s(asked, 200.0) == pytest.approx(free, abs=2.0 * WORD_STEP_S)
+    assert clear_word_s(asked, free - 1.0) == math.inf
+
+
+def test_a_hop_waits_until_its_word_is_clear():
+    # 400 m straight on, the pose moving with the slot at 20 m/s in the same direction.
+    seen = np.array([[40.0, 0.0, 0.0, 0.0]])
+    met = np.array([20.0])
+    high = np.array([60.0])
+
+    def far(hop, at_s):
+        return np.full((*at_s.shape, 2), 1e4)
+
+    def beside(hop, at_s):
+        return np.stack((20.0 * at_s, np.full_like(at_s, 100.0)), axis=-1)
+
+    assert first_clear_s(LIMITS, seen, met, high, far) == pytest.approx(met)
+    assert first_clear_s(LIMITS, seen, met, high, beside) == math.inf
+
+
+@pytest.fixture(scope="module")
+def contacts():
+    return contacts_of(LIMITS)
+
+
+def test_no_plan_from_a_contact_is_sooner_than_what_is_left(contacts):
+    checked = 0
+    for index in range(0, len(contacts.poses), 37):
+        x, y, heading = contacts.poses[index]
+        plan = rejoin(task(x, y, math.degrees(heading)))
+        if plan is not None and plan.kept:
+            checked += 1
+            assert contacts.left_s[index] <= plan.duration_s
+    assert checked >= 2
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "heading_deg"),
+    [(373.0, -182.0, 45.0), (541.0, -147.0, 48.0), (605.0, 509.0, 165.0), (150.0, 600.0, -90.0)],
+)
+@pytest.mark.parametrize("forecast", [CRUISE, *BEFORE_CRUISE])
+def test_no_plan_is_sooner_than_the_bound(x, y, heading_deg, forecast):
+    asked = task(x, y, heading_deg, forecast)
+    plan = rejoin(asked)
+    assert plan.kept
+    # Looked for beyond what the plan takes, so that it could be exceeded.
+    assert lower_bound_s(asked, 1.2 * plan.duration_s) <= plan.duration_s
+
+
+def test_the_way_round_is_known_from_ahead_of_the_slot(contacts):
+    asked = task(373.0, -182.0, 45.0)
+    plan = rejoin(asked)
+    assert unhindered_s(asked) < 0.85 * plan.duration_s
+    assert hindered_s(asked, contacts, plan.duration_s) > 0.95 * plan.duration_s
