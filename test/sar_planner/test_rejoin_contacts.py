@@ -1,6 +1,7 @@
 """What is left from contacts with the disc, and the bound by them."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -77,7 +78,9 @@ def test_no_plan_from_a_contact_is_sooner_than_what_is_left(contacts):
     checked = 0
     for index in range(0, len(contacts.poses), 37):
         x, y, heading = contacts.poses[index]
-        plan = rejoin(task(x, y, math.degrees(heading)))
+        asked = task(x, y, math.degrees(heading))
+        # A contact has no room for what the planner keeps for its sampling.
+        plan = rejoin(replace(asked, separation_m=203.0))
         if plan is not None and plan.kept:
             checked += 1
             assert contacts.left_s[index] <= plan.duration_s
