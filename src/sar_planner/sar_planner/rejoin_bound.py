@@ -1,16 +1,17 @@
 """A lower bound on the time in which the moving slot can be rejoined.
 
-The largest of three, each of which no flyable path that keeps the separation can beat:
+The largest of four, each of which no flyable path that keeps the separation can beat:
 
 * *Unhindered*: until some Dubins word meets the slot at a speed within the limits, the slot has not
   come into what can be reached; the boundary of the poses that paths of exactly some length reach
   is made of these words (Patsko, Pyatko, Fedotov 2003).
 * *Around* (``rejoin_around``): in cruise, by a point without turn radius around the disc that is
   kept free.
+* *Gate* (``rejoin_gates``): by the poses in which the helicopter's line can be crossed.
 * *Contact* (``rejoin_contacts``): the soonest path touches the disc or is a word that stays clear
   of it; where it touches, it is tangent to the disc, and what is left from there is known.
 
-The least over contacts is taken on grids, between whose poses a path can be a little
+The least over gates and contacts is taken on grids, between whose poses a path can be a little
 sooner than by any of them; ``GRID_SHARE`` of it is taken for the bound.
 """
 
@@ -24,6 +25,7 @@ from sar_planner.dubins import lengths_m
 from sar_planner.rejoin import RejoinTask, timed_words
 from sar_planner.rejoin_around import Limits
 from sar_planner.rejoin_contacts import contacts_of, hindered_s
+from sar_planner.rejoin_gates import gates_of
 
 UNHINDERED_STEP_S = 0.02
 CLOSE_SHARE = 1.03
@@ -45,6 +47,7 @@ def unhindered_s(task: RejoinTask) -> float:
 def prepare(limits: Limits) -> None:
     """Solve once what the bounds of all starts have in common."""
     contacts_of(limits)
+    gates_of(limits)
 
 
 def lower_bound_s(task: RejoinTask, upper_s: float) -> float:
@@ -56,10 +59,13 @@ def lower_bound_s(task: RejoinTask, upper_s: float) -> float:
     bound = unhindered_s(task)
     if CLOSE_SHARE * bound >= upper_s:
         return bound
-    contacts = contacts_of(Limits.of(task))
+    limits = Limits.of(task)
+    contacts = contacts_of(limits)
     if task.forecast.steady_s <= task.start_s:
         here = np.array([[task.ahead_m, task.start.y_m]])
         bound = max(bound, float(contacts.around.times_s(here)[0]))
+    if task.start.y_m > limits.spacing_m:
+        bound = max(bound, GRID_SHARE * gates_of(limits).bound_s(task, upper_s))
     if CLOSE_SHARE * bound >= upper_s:
         return bound
     return max(bound, GRID_SHARE * hindered_s(task, contacts, upper_s))
