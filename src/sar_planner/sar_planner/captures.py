@@ -31,6 +31,13 @@ TURNS = [1, 3, 5, 6]
 SINGULAR = 1e-3
 
 
+def radii_m(radius_m: float) -> FloatArray:
+    """Return the radius of every part of a row, shape (7,) [m]; 0 for straights."""
+    radii = np.zeros(COLUMNS)
+    radii[TURNS] = radius_m
+    return radii
+
+
 @dataclass(frozen=True)
 class PathBatch:
     """n paths from one pose; ``rows``, shape (n, 7): p [m], turn [rad], y, turn, q, turn, turn."""
@@ -57,13 +64,6 @@ class PathBatch:
     def start_values(self) -> FloatArray:
         """Where they start: x [m], y [m] and heading [rad] of the start, shape (3,)."""
         return np.array((self.start.x_m, self.start.y_m, self.start.heading_rad))
-
-    @property
-    def radii_m(self) -> FloatArray:
-        """The radius of every part, shape (7,) [m]; 0 for straights."""
-        radii = np.zeros(COLUMNS)
-        radii[TURNS] = self.radius_m
-        return radii
 
     @cached_property
     def _parts_m(self) -> FloatArray:

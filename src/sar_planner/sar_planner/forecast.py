@@ -89,6 +89,16 @@ class Forecast:
         return self.stretches[-1].time_s
 
 
+def tables_of(forecasts: Sequence[Forecast]) -> FloatArray:
+    """Return the tables of several forecasts, shape (f, 7, m), stretches that never come added."""
+    tables = [forecast.table for forecast in forecasts]
+    out = np.zeros((len(tables), 7, max(table.shape[1] for table in tables)))
+    out[:, 0] = math.inf
+    for i, table in enumerate(tables):
+        out[i, :, : table.shape[1]] = table
+    return out
+
+
 def cruising(time_s: float, helicopter: Pose, speed_mps: float) -> Forecast:
     """Return the forecast of a helicopter that goes on along its leg."""
     return Forecast((Stretch(time_s, helicopter, speed_mps),), helicopter, time_s, speed_mps)

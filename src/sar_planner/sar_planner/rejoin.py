@@ -11,6 +11,7 @@ again, at the other speed: what is sooner then takes the rest's place.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -19,10 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sar_estimator.plane import Pose
-from sar_planner.captures import CaptureProblem, PathBatch
+from sar_planner.captures import CaptureProblem, PathBatch, radii_m, turn_to
 from sar_planner.dubins import lengths_m, words
-from sar_planner.forecast import Forecast
+from sar_planner.forecast import Forecast, tables_of
 from sar_planner.geometry import FlightPath, FloatArray
+from sar_planner.kernels import soonest_capture
 from sar_planner.separation import closest_over_time, least_of_all_m, sampling_slack_m
 
 STEP_S = 0.5
@@ -111,15 +113,21 @@ class _Found:
         return lengths_m(self.rows, radius_m) / self.speeds
 
 
+Sides = tuple[int, int, int]
+
+
 @dataclass(frozen=True)
 class _Capture:
-    """One capture: its duration [s], speed, last turn, the other turns' sides, and its row."""
+    """One capture: its duration [s], speed, the sides of its first three turns, and its row."""
 
     time_s: float
     speed_mps: float
-    last_turn_rad: float
-    sides: tuple[int, int, int]
+    sides: Sides
     row: FloatArray
+
+    @property
+    def last_turn_rad(self) -> float:
+        return float(self.row[LAST_TURN])
 
 
 def _latest_s(task: RejoinTask) -> float:
@@ -174,11 +182,19 @@ class _Search:
         slack = sampling_slack_m(task.separation_m, task.turn_radius_m)
         self.needed_m = task.separation_m + slack
         self.slack_m = slack
+        self._start = np.array((task.start.x_m, task.start.y_m, task.start.heading_rad))
+        self._radii_m = radii_m(task.turn_radius_m)
+        self._forecasts = tables_of(task.forecasts)
+        self._steady = np.array([(one.steady_s, one.speed_mps) for one in task.forecasts])
 
-    def distances_m(self, found: _Found) -> FloatArray:
+    def distances_m(self, found: _Found, *, enough_m: float = 0.0) -> FloatArray:
         batch = PathBatch(self.task.start, self.task.turn_radius_m, found.rows)
         return least_of_all_m(
-            batch, self.task.forecasts, start_s=self.task.start_s, speeds_mps=found.speeds
+            batch,
+            self.task.forecasts,
+            start_s=self.task.start_s,
+            speeds_mps=found.speeds,
+            enough_m=enough_m,
         )
 
     def first_kept(self, found: _Found, *, before_s: float = math.inf) -> int | None:
@@ -200,55 +216,64 @@ class _Search:
         for begin in range(0, len(order), CHUNK):
             chosen = order[begin : begin + CHUNK]
             part = _Found(found.rows[chosen], found.speeds[chosen])
-            kept = np.flatnonzero(self.distances_m(part) >= self.needed_m)
+            apart = self.distances_m(part, enough_m=self.needed_m)
+            kept = np.flatnonzero(apart >= self.needed_m)
             if kept.size:
                 return int(chosen[kept[0]])
         return None
 
-    def families(self) -> Iterator[tuple[CaptureProblem, tuple[int, int, int]]]:
+    def families(self) -> Iterator[tuple[float, float, Sides]]:
         """Yield every kind of capture: speed, last turn, and the sides of the other turns."""
-        task = self.task
-        for speed in (task.fastest_mps, task.slowest_mps):
+        for speed in (self.task.fastest_mps, self.task.slowest_mps):
             for last in LAST_TURNS_RAD:
-                problem = CaptureProblem(
-                    task.start, task.turn_radius_m, task.forecast.speed_mps / speed, last
-                )
-                for first in SIDES:
-                    for second in SIDES:
-                        for third in SIDES:
-                            yield problem, (first, second, third)
+                for first, second, third in itertools.product(SIDES, repeat=3):
+                    yield speed, last, (first, second, third)
 
-    def captures(
+    def soonest(
         self,
-        problem: CaptureProblem,
-        sides: tuple[int, int, int],
-        headings_1: FloatArray,
-        headings_2: FloatArray,
-    ) -> _Found:
-        """Return the captures over a grid of two headings [rad], each of shape (n,)."""
-        h1, h2 = (grid.ravel() for grid in np.meshgrid(headings_1, headings_2, indexing="ij"))
-        first, second, third = sides
-        turn_1 = first * np.mod(first * (h1 - problem.start.heading_rad), 2.0 * math.pi)
-        turn_2 = second * np.mod(second * (h2 - h1), 2.0 * math.pi)
-        batch = problem.solve(problem.arcs(turn_1, turn_2, third), self.task.ahead_m)
-        speed = self.task.forecast.speed_mps / problem.slow_factor
-        return _Found(batch.rows, np.full(len(batch), speed))
+        speed_mps: float,
+        last_turn_rad: float,
+        sides: Sides,
+        headings: tuple[FloatArray, FloatArray],
+        before_s: float,
+    ) -> _Capture | None:
+        """Return the soonest capture that keeps the separation, over a grid of headings [rad].
 
-    def refine(
-        self, problem: CaptureProblem, sides: tuple[int, int, int], row: FloatArray, time_s: float
-    ) -> tuple[FloatArray, float]:
+        None where none arrives before ``before_s``.
+        """
+        task = self.task
+        time_s, *row = soonest_capture(
+            self._start,
+            self._radii_m,
+            task.forecast.speed_mps / speed_mps,
+            last_turn_rad,
+            *headings,
+            np.array(sides),
+            task.ahead_m,
+            self._forecasts,
+            self._steady,
+            task.start_s,
+            speed_mps,
+            self.needed_m,
+            before_s,
+        ).tolist()
+        return _Capture(time_s, speed_mps, sides, np.array(row)) if time_s < math.inf else None
+
+    def _about(self, one: _Capture, spread_rad: float, count: int) -> tuple[FloatArray, FloatArray]:
+        """Return a grid about a capture's two headings."""
+        heading_1 = self.task.start.heading_rad + one.row[1]
+        steps = np.linspace(-spread_rad, spread_rad, count)
+        return heading_1 + steps, heading_1 + one.row[3] + steps
+
+    def refine(self, one: _Capture) -> _Capture:
         """Search ever finer about a capture's two headings for a sooner one."""
         spread = REFINED_RAD
         for _ in range(REFINEMENTS):
-            heading_1 = problem.start.heading_rad + row[1]
-            steps = np.linspace(-spread, spread, REFINED_GRID)
-            found = self.captures(problem, sides, heading_1 + steps, heading_1 + row[3] + steps)
-            better = self.first_kept(found, before_s=time_s)
-            if better is not None:
-                row = found.rows[better]
-                time_s = float(found.durations_s(self.task.turn_radius_m)[better])
+            about = self._about(one, spread, REFINED_GRID)
+            found = self.soonest(one.speed_mps, one.last_turn_rad, one.sides, about, one.time_s)
+            one = found or one
             spread *= 0.5
-        return row, time_s
+        return one
 
     def polish(self, one: _Capture) -> _Capture:
         """Search ever finer about a capture's last turn, speed and headings for a sooner one."""
@@ -260,20 +285,26 @@ class _Search:
             for turned, sped in ((d_turn, 0.0), (-d_turn, 0.0), (0.0, d_speed), (0.0, -d_speed)):
                 last = one.last_turn_rad + turned
                 speed = min(max(one.speed_mps + sped, task.slowest_mps), task.fastest_mps)
-                problem = CaptureProblem(
-                    task.start, task.turn_radius_m, task.forecast.speed_mps / speed, last
-                )
-                heading_1 = task.start.heading_rad + one.row[1]
-                steps = np.linspace(-spread, spread, POLISHED_GRID)
-                found = self.captures(
-                    problem, one.sides, heading_1 + steps, heading_1 + one.row[3] + steps
-                )
-                at = self.first_kept(found, before_s=one.time_s)
-                if at is not None:
-                    time_s = float(found.durations_s(task.turn_radius_m)[at])
-                    one = _Capture(time_s, speed, last, one.sides, found.rows[at])
+                about = self._about(one, spread, POLISHED_GRID)
+                one = self.soonest(speed, last, one.sides, about, one.time_s) or one
             d_turn, d_speed, spread = 0.5 * d_turn, 0.5 * d_speed, 0.6 * spread
         return one
+
+    def captures(self) -> _Found:
+        """Return all captures over the grid of headings, whatever separation they keep."""
+        task = self.task
+        h1, h2 = (g.ravel() for g in np.meshgrid(HEADINGS_RAD, HEADINGS_RAD, indexing="ij"))
+        found = []
+        for speed, last, (first, second, third) in self.families():
+            factor = task.forecast.speed_mps / speed
+            problem = CaptureProblem(task.start, task.turn_radius_m, factor, last)
+            turn_1 = turn_to(np.full_like(h1, task.start.heading_rad), h1, first)
+            turn_2 = turn_to(h1, h2, second)
+            batch = problem.solve(problem.arcs(turn_1, turn_2, third), task.ahead_m)
+            found.append(_Found(batch.rows, np.full(len(batch), speed)))
+        return _Found(
+            np.vstack([part.rows for part in found]), np.concatenate([p.speeds for p in found])
+        )
 
     def plan(self, rows: FloatArray, speed: float, *, kept: bool = True) -> RejoinPlan:
         found = _Found(rows[None, :], np.array([speed]))
@@ -339,31 +370,34 @@ def _one_search(task: RejoinTask) -> tuple[RejoinPlan | None, bool]:
         index = search.first_kept(quick, before_s=QUICK_SHARE * soonest + STEP_S)
         if index is not None:
             return search.plan(quick.rows[index], float(quick.speeds[index])), True
+    index = search.first_kept(found)
+    best: _Capture | None = None
+    word_s = math.inf
+    if index is not None:
+        word_s = float(found.durations_s(task.turn_radius_m)[index])
+    first_s = word_s
+    headings = (HEADINGS_RAD, HEADINGS_RAD)
     kinds = list(search.families())
-    captured = [search.captures(*kind, HEADINGS_RAD, HEADINGS_RAD) for kind in kinds]
-    everything = _Found(
-        np.vstack([found.rows, *(part.rows for part in captured)]),
-        np.concatenate([found.speeds, *(part.speeds for part in captured)]),
-    )
-    index = search.first_kept(everything)
-    if index is None:
+    for kind in kinds:
+        first = search.soonest(*kind, headings, first_s)
+        first_s = first_s if first is None else first.time_s
+    if first_s == math.inf:
+        captured = search.captures()
+        everything = _Found(
+            np.vstack((found.rows, captured.rows)), np.concatenate((found.speeds, captured.speeds))
+        )
         return _farthest(search, everything), False
-    best_row, best_speed = everything.rows[index], float(everything.speeds[index])
-    best_s = first_s = float(lengths_m(best_row, task.turn_radius_m)) / best_speed
-    refined = []
-    for kind, part in zip(kinds, captured, strict=True):
-        at = search.first_kept(part, before_s=REFINED_SHARE * first_s)
-        if at is None:
-            continue
-        begun_s = float(part.durations_s(task.turn_radius_m)[at])
-        row, time_s = search.refine(*kind, part.rows[at], begun_s)
-        speed, last = float(part.speeds[at]), float(row[LAST_TURN])
-        refined.append(_Capture(time_s, speed, last, kind[1], row))
-    for one in sorted(refined, key=lambda capture: capture.time_s)[:POLISHED]:
+    begun = [search.soonest(*kind, headings, REFINED_SHARE * first_s) for kind in kinds]
+    refined = [search.refine(one) for one in begun if one is not None]
+    refined.sort(key=lambda capture: capture.time_s)
+    for one in refined[:POLISHED]:
         polished = search.polish(one)
-        if polished.time_s < best_s:
-            best_row, best_speed, best_s = polished.row, polished.speed_mps, polished.time_s
-    return search.plan(best_row, best_speed), best_s <= SOON_ENOUGH * soonest
+        if polished.time_s < (word_s if best is None else best.time_s):
+            best = polished
+    if best is None:
+        assert index is not None
+        return search.plan(found.rows[index], float(found.speeds[index])), False
+    return search.plan(best.row, best.speed_mps), best.time_s <= SOON_ENOUGH * soonest
 
 
 def _farthest(search: _Search, found: _Found) -> RejoinPlan | None:

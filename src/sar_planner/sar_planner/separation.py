@@ -9,13 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from sar_estimator.plane import Pose
-from sar_planner.captures import PathBatch
+from sar_planner.captures import PathBatch, radii_m
 from sar_planner.forecast import Forecast, cornering
 from sar_planner.geometry import FlightPath, FloatArray
-from sar_planner.kernels import least_apart, least_apart_of_each
+from sar_planner.kernels import SAMPLE_M, least_apart, least_apart_of_each
 from sar_planner.parameters import CornerParameters
-
-SAMPLE_M = 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,11 +103,17 @@ def least_of_all_m(
     *,
     start_s: float,
     speeds_mps: float | FloatArray,
+    enough_m: float = 0.0,
 ) -> FloatArray:
-    """Return the least sampled distance on every path, shape (n,) [m], over several forecasts."""
+    """Return the least distance on every path, shape (n,) [m], over several forecasts.
+
+    ``enough_m``: distances below it need not be the least.
+    """
     least = np.full(len(batch), math.inf)
     for forecast in forecasts:
-        one = least_distances_m(batch, forecast, start_s=start_s, speeds_mps=speeds_mps)
+        one = least_distances_m(
+            batch, forecast, start_s=start_s, speeds_mps=speeds_mps, enough_m=enough_m
+        )
         least = np.minimum(least, one)
     return least
 
@@ -135,7 +139,7 @@ def least_distances_m(
     return least_apart_of_each(
         batch.rows,
         batch.start_values,
-        batch.radii_m,
+        radii_m(batch.radius_m),
         forecast.table,
         start_s,
         forecast.steady_s,

@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from sar_planner.captures import PathBatch
+from sar_planner.captures import PathBatch, radii_m
 from sar_planner.geometry import FloatArray
 from sar_planner.kernels import unseen_cells
 
@@ -46,7 +46,7 @@ class CornerStrips:
         cells = unseen_cells(
             batch.rows,
             batch.start_values,
-            batch.radii_m,
+            radii_m(batch.radius_m),
             np.vstack((old, self._new)),
             len(old),
             SAMPLE * self._d,
