@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sar_estimator.plane import Pose, wrap_angle
 from sar_planner.captures import (
@@ -23,6 +24,7 @@ from sar_planner.captures import (
 from sar_planner.forecast import Forecast
 from sar_planner.geometry import Arc, CornerFrame, FlightPath, FloatArray, Straight
 from sar_planner.separation import least_of_all_m, sampling_slack_m
+from sar_planner.strips import StripsAt
 
 PAIRS = ((STRAIGHT_Y, STRAIGHT_Q), (STRAIGHT_P, STRAIGHT_Y), (STRAIGHT_P, STRAIGHT_Q))
 BACK_M = 15.0
@@ -30,6 +32,7 @@ AHEAD_FACTOR = 1.5
 GRID_RAD = np.radians(np.arange(-172.5, 181.0, 7.5))
 OVERSHOOTS_RAD = tuple(math.radians(slope) for slope in (20.0, 40.0, 60.0, 80.0))
 SIDES = (1, -1)
+COMPARED = 12
 NEAR_RAD = np.radians((0.0, -2.5, 2.5, -8.0, 8.0))
 CHUNK = 48
 WIDEST = 600
@@ -138,7 +141,8 @@ class Recapture:
     """The search for a path from ``start`` at ``start_s`` that ends without lag.
 
     ``forecasts``: the first is what is expected, all are kept apart from. ``speed_mps``: what the
-    UAV makes good along its path.
+    UAV makes good along its path. ``strips``: in a corner, of the cheapest paths the one
+    is taken that leaves the least of them unseen.
     """
 
     start: Pose
@@ -148,6 +152,7 @@ class Recapture:
     speed_mps: float
     separation_m: float
     longest_m: float
+    strips: StripsAt | None = None
 
     @property
     def _problem(self) -> CaptureProblem:
@@ -184,12 +189,19 @@ class Recapture:
             part = batch.take(order[begin : begin + CHUNK])
             distances = self.distances_m(part)
             kept = np.flatnonzero(distances >= wanted_m)
-            best = int(kept[0]) if kept.size else int(np.argmax(distances))
+            best = self._best_seeing(part, kept) if kept.size else int(np.argmax(distances))
             if farthest is None or distances[best] > farthest[1]:
                 farthest = part.path(best), float(distances[best])
             if kept.size:
                 return farthest
         return farthest if farthest is not None and farthest[1] >= least_m else None
+
+    def _best_seeing(self, batch: PathBatch, kept: NDArray[np.intp]) -> int:
+        """Return which of some paths to take; the first ones, ``kept``, are the cheapest."""
+        if self.strips is None or len(kept) == 1:
+            return int(kept[0])
+        compared = kept[:COMPARED]
+        return int(compared[np.argmin(self.strips.unseen_m2(batch.take(compared)))])
 
     def best(self, row: FloatArray | None, wanted_m: float, least_m: float) -> FlightPath | None:
         """Return the path to fly, the old one given as a row; None where none is safe.

@@ -45,7 +45,7 @@ LOOP_TURNS_RAD = np.radians(np.arange(120.0, 251.0, 10.0))
 LOOP_LEADS = np.arange(0.0, 4.1, 0.5)
 WEAVE_TURNS_RAD = np.radians(np.arange(105.0, 190.0, 10.0))
 WEAVE_SECOND_RAD = np.radians(np.arange(0.0, 91.0, 15.0))
-WEAVE_LAST_RAD = np.radians((36.0, 46.0, 56.0))
+WEAVE_LAST_RAD = np.radians((36.0, 46.0, 56.0, 66.0, 76.0))
 WEAVES_RAD = np.stack(
     np.meshgrid(WEAVE_TURNS_RAD, WEAVE_SECOND_RAD, WEAVE_LAST_RAD, indexing="ij"), axis=-1
 ).reshape(-1, 3)
@@ -111,7 +111,8 @@ class DeadbeatRules:
     def __init__(self, parameters: CornerParameters, *, made_good: float = 1.0) -> None:
         """Prepare what does not depend on the lag.
 
-        ``made_good``: share of its speed that the UAV makes good along its path after the lead-in.
+        ``made_good``: share of V that the UAV makes good along its path after the lead-in, above 1
+        where it flies faster.
         """
         self.parameters = parameters
         self._made_good = made_good
@@ -274,7 +275,7 @@ class DeadbeatRules:
         leads = lead_m + self.parameters.turn_radius_m * LOOP_LEADS
         families = [cut, self.curves(problem, lead_m), self.loops(problem, leads)]
         families = [family for family in families if only in (None, family.rule)]
-        found = self._smallest_safe(families, separation_m)
+        found = self._smallest_safe(families, separation_m) if families else None
         if found is None:
             raise NoPathError(
                 f"L = {lag_m:.1f} m: no path keeps {separation_m:.0f} m of separation"

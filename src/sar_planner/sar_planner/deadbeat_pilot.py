@@ -23,9 +23,10 @@ from sar_planner.approach import (
     row_of,
     total_turn_rad,
 )
-from sar_planner.deadbeat import CONVERGED_M, DeadbeatRules
+from sar_planner.deadbeat import DeadbeatRules
 from sar_planner.forecast import Forecast
 from sar_planner.geometry import CornerFrame, FlightPath, FloatArray
+from sar_planner.hurry import catching_up_mps, hurried_plan, hurries_of
 from sar_planner.lists import Listed
 from sar_planner.mission_parameters import (
     ActiveCorner,
@@ -37,10 +38,11 @@ from sar_planner.mission_parameters import (
 from sar_planner.parameters import CornerParameters
 from sar_planner.pilot import Pilot
 from sar_planner.rejoin import RejoinPlan, RejoinTask, rejoin
-from sar_planner.rules import CornerPlan, NoPathError, Rule
+from sar_planner.rules import CornerPlan, Rule
 from sar_planner.separation import least_apart_m
 from sar_planner.situation import Situation
 from sar_planner.speed_trim import MadeGood, trimmed_mps
+from sar_planner.strips import StripsAt
 
 OFF_PATH_M = 20.0
 SETTLED_RAD = math.radians(20.0)
@@ -68,6 +70,7 @@ class DeadbeatPilot(Pilot):
         self.approach: Approach | None = None
         self._unsafe = ""
         self._corner_note = ""
+        self._hurry = 1.0
         self._holding = False
         self._planned: CornerEstimate | None = None
         self._done_corner = 0
@@ -234,9 +237,10 @@ class DeadbeatPilot(Pilot):
             self._done_corner = k
             return None
         frame = CornerFrame(estimate.stop, self._mission.turn_side)
-        plan = self._rule_plan(estimate, frame, now_s)
-        if plan is None:
+        planned = self._rule_plan(estimate, frame, now_s)
+        if planned is None:
             return self._corner_from_anywhere(estimate, frame, now_s, forecasts)
+        plan, self._hurry = planned
         uav = self._s.uav
         assert uav is not None
         first_stop = self.active.first_stop if again and self.active else estimate.stop
@@ -261,8 +265,8 @@ class DeadbeatPilot(Pilot):
 
     def _rule_plan(
         self, estimate: CornerEstimate, frame: CornerFrame, now_s: float
-    ) -> CornerPlan | None:
-        """Return the rule's plan; None when the UAV is not on its slot track or no rule has one."""
+    ) -> tuple[CornerPlan, float] | None:
+        """Return the plan and how much faster than V it is flown; None off the slot track."""
         uav = self._s.uav
         assert uav is not None
         pose = frame.to_frame(uav.pose)
@@ -270,18 +274,16 @@ class DeadbeatPilot(Pilot):
         if not is_on_track(Pose(pose.x_m, across, pose.heading_rad)):
             return None
         parameters, lag = measured(estimate, frame, uav, self._corner)
-        rules = DeadbeatRules(parameters, made_good=self.good.share)
         passed = now_s - estimate.onset_time_s + self._mission.reaction_s
         lead = uav.speed_mps * max(0.0, passed)
-        plan = None
-        for separation in self._separations_m():
-            try:
-                plan = rules.plan(lag, lead_m=lead, separation_m=separation)
-            except NoPathError:
-                continue
-            if abs(plan.next_lag_m) <= CONVERGED_M:
-                break
-        return plan
+        return hurried_plan(
+            parameters,
+            lag,
+            lead_m=lead,
+            separations_m=self._separations_m(),
+            hurries=hurries_of(self.lists.air, estimate.speed_mps, self._mission.speed_trim),
+            made_good=self.good.share,
+        )
 
     def _separations_m(self) -> tuple[float, float, float]:
         """Return the separations to plan with, the most wanted one first."""
@@ -344,12 +346,10 @@ class DeadbeatPilot(Pilot):
         self._unsafe = ""
 
     def _faster(self, path_m: float, lag_m: float, speed_mps: float) -> float:
-        """Return the speed that takes a lag out along a path, no more than the trim above V."""
-        if lag_m < self._mission.lag_tolerance_m:
-            return speed_mps
-        most = 1.0 + self._mission.speed_trim
-        share_m = lag_m * self._share / max(path_m, 1.0)
-        return speed_mps * min(1.0 / max(1e-3, 1.0 - share_m), most)
+        """Return the speed for a path that leaves a lag, at a helicopter's speed."""
+        worth_m = lag_m if lag_m >= self._mission.lag_tolerance_m else 0.0
+        hurry, share, trim = self._hurry, self._share, self._mission.speed_trim
+        return catching_up_mps(path_m, worth_m, speed_mps, hurry=hurry, share=share, trim=trim)
 
     def _list_of(self, path: FlightPath, *, from_m: float = 0.0) -> FloatArray:
         """Return the waypoints of the path that was just begun, in the map."""
@@ -364,6 +364,7 @@ class DeadbeatPilot(Pilot):
                 self.good.learn()
                 self._hold_back()
         self.active = self.approach = None
+        self._hurry = 1.0
         self._unsafe = ""
         self.lists.forget()
 
@@ -423,13 +424,19 @@ class DeadbeatPilot(Pilot):
         safe = apart_m >= self._corner.separation_m and not moved
         return self._correct(now_s, forecasts, frame, off_m, abs(lag) if safe else math.inf)
 
+    def _strips(self, frame: CornerFrame) -> StripsAt | None:
+        """Return the UAV's strips about the corner that is flown; None where none is."""
+        if self.active is None or self.active.plan.rule is Rule.RJ or self._s.estimate is None:
+            return None
+        return StripsAt(self._corner.spacing_m, frame.to_frame(self._s.estimate.stop).x_m)
+
     def _timed(
         self, approach: Approach, rest: FlightPath, forecast: Forecast, now_s: float
     ) -> Approach:
         """Set the speed with which a rejoining UAV arrives together with its slot."""
         v, trim = forecast.speed_mps, self._mission.speed_trim
         left_s = forecast.zero_s - now_s + (rest.end.x_m - forecast.leg.x_m) / v
-        wanted = rest.length_m / left_s if left_s > 1.0 else math.inf
+        wanted = rest.length_m / (left_s * self._share) if left_s > 1.0 else math.inf
         speed = min(max(wanted, v * (1.0 - trim)), v * (1.0 + trim))
         begun = now_s - (approach.path.length_m - rest.length_m) / speed
         self.speed_mps = speed
@@ -463,9 +470,10 @@ class DeadbeatPilot(Pilot):
             now_s + self._mission.reaction_s,
             tuple(forecast.in_frame(frame) for forecast in forecasts),
             self._corner.turn_radius_m,
-            speed * self._share,
+            self._hurry * speed * self._share,
             self._corner.separation_m,
             old.length_m - from_m + LONGER_SPACINGS * self._corner.spacing_m,
+            self._strips(frame),
         )
         row = row_of(old.cut(from_m))
         margin = self._mission.separation_margin_m

@@ -27,7 +27,8 @@ class MissionParameters:
     the first waypoint of a slot track. loiter_radius_m: of the circle a list ends in, as flown.
     stale_s: age at which a position is no longer planned with. speed_range: speeds of the
     helicopter, relative to V, that the rules are used for; accel_range: decelerations likewise.
-    speed_trim: share of V by which the UAV may be asked to fly faster or slower (deadbeat rules).
+    speed_trim: share of V by which the UAV may be asked to fly faster or slower (deadbeat rules):
+    weaves are flown that much faster.
     trim_gain: speed asked for per metre of lag [1/s]. lag_tolerance_m: predicted lag at the end of
     a path that is worth a correction, and far_tolerance: at least this share of what is left of it.
     correction_s: least time between two corrections; settling_s: for how long after one the UAV may

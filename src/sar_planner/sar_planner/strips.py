@@ -7,6 +7,7 @@ sees.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -60,3 +61,20 @@ class CornerStrips:
 def strips_of(spacing_m: float) -> CornerStrips:
     """Return the strips for a track spacing, laid out once."""
     return CornerStrips(spacing_m)
+
+
+@dataclass(frozen=True, slots=True)
+class StripsAt:
+    """The strips about a corner in the frame of a slot whose track passes it at ``corner_x_m``."""
+
+    spacing_m: float
+    corner_x_m: float
+
+    def unseen_m2(self, batch: PathBatch) -> FloatArray:
+        """Return the area [m^2] that every path leaves unseen, shape (n,).
+
+        What was seen before the paths begin is not known here: it counts alike for all of them.
+        """
+        start = replace(batch.start, x_m=batch.start.x_m - self.corner_x_m)
+        moved = PathBatch(start, batch.radius_m, batch.rows)
+        return strips_of(self.spacing_m).unseen_m2(moved)
