@@ -436,7 +436,7 @@ class DeadbeatPilot(Pilot):
         """Set the speed with which a rejoining UAV arrives together with its slot."""
         v, trim = forecast.speed_mps, self._mission.speed_trim
         left_s = forecast.zero_s - now_s + (rest.end.x_m - forecast.leg.x_m) / v
-        wanted = rest.length_m / (left_s * self._share) if left_s > 1.0 else math.inf
+        wanted = rest.length_m / left_s if left_s > 1.0 else math.inf
         speed = min(max(wanted, v * (1.0 - trim)), v * (1.0 + trim))
         begun = now_s - (approach.path.length_m - rest.length_m) / speed
         self.speed_mps = speed

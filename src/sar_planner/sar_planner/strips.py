@@ -7,7 +7,7 @@ sees.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -75,6 +75,6 @@ class StripsAt:
 
         What was seen before the paths begin is not known here: it counts alike for all of them.
         """
-        start = replace(batch.start, x_m=batch.start.x_m - self.corner_x_m)
+        start = batch.start._replace(x_m=batch.start.x_m - self.corner_x_m)
         moved = PathBatch(start, batch.radius_m, batch.rows)
         return strips_of(self.spacing_m).unseen_m2(moved)
