@@ -64,10 +64,14 @@ def places(points: FloatArray) -> list[Point]:
 
 
 class Route:
-    """A waypoint list and how far along it the UAV is."""
+    """A waypoint list and how far along it the UAV is.
 
-    def __init__(self, points: FloatArray, uav: Motion) -> None:
+    ``speed_mps``: the ground speed it is planned with, None where that is not known.
+    """
+
+    def __init__(self, points: FloatArray, uav: Motion, *, speed_mps: float | None = None) -> None:
         """Enter a list, shape (n, 2) [m], where it first passes near the UAV; else at its start."""
+        self.speed_mps = speed_mps
         self.points = np.ascontiguousarray(points, dtype=np.float64)
         self.places = places(points)
         self._begin = (uav.x_m, uav.y_m)

@@ -30,6 +30,7 @@ from sar_estimator.messages import (
     odometry_sigmas,
     odometry_to_leg,
     odometry_to_motion,
+    path_speed_mps,
     path_to_corner,
     path_to_points,
     points_to_path,
@@ -157,7 +158,9 @@ class MonitorNode(Node):
         self._early = None
         if self._monitor.unseen:
             self._early = message
-        elif self._monitor.passes(path_to_points(message), stamp, now):
+        elif self._monitor.passes(
+            path_to_points(message), stamp, now, speed_mps=path_speed_mps(message)
+        ):
             self._senders[topics.CLEARED].publish(message)
         else:
             self.get_logger().warning(self._monitor.reason)

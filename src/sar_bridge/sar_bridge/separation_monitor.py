@@ -28,6 +28,7 @@ BETTER_WAY_M = 15.0
 RECHOOSE_S = 2.0
 LED_MPS = 4.0
 LED_S = 15.0
+PLANNED_SHARE = 0.2
 FARTHEST_M = 100_000.0
 
 
@@ -133,6 +134,18 @@ class Approach:
         return f"{self.distance_m:.0f} m in {self.in_s:.0f} s if the helicopter {self.future}"
 
 
+@dataclass(frozen=True, slots=True)
+class Offered:
+    """A list, shape (n, 2) [m], and the ground speed it is planned with, None for V."""
+
+    points: FloatArray
+    speed_mps: float | None
+
+    def route(self, uav: Motion) -> Route:
+        """Return it as flown by a UAV from where it is."""
+        return Route(self.points, uav, speed_mps=self.speed_mps)
+
+
 def _distance(approach: Approach) -> float:
     return approach.distance_m
 
@@ -167,7 +180,7 @@ class SeparationMonitor:
         count = round(parameters.horizon_s / STEP_S) + 1
         self._times: FloatArray = STEP_S * np.arange(count, dtype=np.float64)
         self._flown: Route | None = None
-        self._cleared: dict[float, FloatArray] = {}
+        self._cleared: dict[float, Offered] = {}
         self._clear_since_s = math.inf
         self._near_since_s = self._conflict_since_s = math.inf
         self._sure_s = math.inf
@@ -195,12 +208,12 @@ class SeparationMonitor:
 
     def set_uploaded(self, stamp_s: float) -> None:
         """Take note that the autopilot flies the list of a stamp."""
-        points = self._cleared.pop(stamp_s, None)
-        if points is None or self.uav is None:
+        cleared = self._cleared.pop(stamp_s, None)
+        if cleared is None or self.uav is None:
             return
         self._cleared = {s: held for s, held in self._cleared.items() if s > stamp_s}
         if self.escape is None:
-            self.set_flown(points)
+            self._flown = cleared.route(self.uav)
 
     def set_flown(self, points: FloatArray) -> None:
         """Take note of the list, shape (n, 2) [m], that is flown, however it came to be."""
@@ -236,12 +249,16 @@ class SeparationMonitor:
 
     # Gate --------------------------------------------------------------------------------------
 
-    def passes(self, points: FloatArray, stamp_s: float, now_s: float) -> bool:
+    def passes(
+        self, points: FloatArray, stamp_s: float, now_s: float, *, speed_mps: float | None = None
+    ) -> bool:
         """Return whether a list, shape (n, 2) [m], may be uploaded; ``reason`` says why not.
 
+        ``speed_mps``: the ground speed it is planned with, None where that is the helicopter's.
         One that is better than what is flown passes even where it breaks the least separation.
         """
-        refusal = self._refusal(points, now_s)
+        offered = Offered(points, speed_mps)
+        refusal = self._refusal(offered, now_s)
         self.counts["refused" if refusal else "passed"] += 1
         if refusal:
             self.reason = refusal
@@ -251,10 +268,11 @@ class SeparationMonitor:
         elif self.escape is None:
             self.reason = ""
         self.refused_s = 0.0
-        self._cleared[stamp_s] = points
+        self._cleared[stamp_s] = offered
         return True
 
-    def _refusal(self, points: FloatArray, now_s: float) -> str:
+    def _refusal(self, offered: Offered, now_s: float) -> str:
+        points = offered.points
         if len(points) == 0:
             return "list without waypoints"
         if not np.isfinite(points).all() or np.abs(points).max() > FARTHEST_M:
@@ -264,13 +282,13 @@ class SeparationMonitor:
             return f"list refused: {obstacle}"
         assert self.uav is not None
         futures = self.helicopter.futures(now_s, self._times)
-        offered = self._near(Route(points, self.uav), futures, now_s)
-        if offered is NO_APPROACH:
+        ahead = self._near(offered.route(self.uav), futures, now_s)
+        if ahead is NO_APPROACH:
             return ""
         held = self._flown or Route(np.empty((0, 2)), self.uav)
         flown = self._near(held, futures, now_s)
-        better = offered.distance_m > flown.distance_m + BETTER_M
-        return "" if better else f"list refused: {offered}"
+        better = ahead.distance_m > flown.distance_m + BETTER_M
+        return "" if better else f"list refused: {ahead}"
 
     def _near(self, route: Route, futures: list[Future], now_s: float) -> Approach:
         """Return how a route breaks what the gate asks for; ``NO_APPROACH`` where it does not."""
@@ -287,8 +305,8 @@ class SeparationMonitor:
     ) -> FloatArray:
         """Return where the UAV will be on a route, at the monitor's times from now on.
 
-        It is taken to go to the helicopter's speed, as it is led, while it is seen to; where it
-        does not, or is ``sent`` away, to keep its airspeed.
+        It is taken to go to the speed planned for the route, or the helicopter's, as it is led,
+        while it is seen to; where it does not, or is ``sent`` away, to keep its airspeed.
         """
         uav = self.uav
         assert uav is not None
@@ -299,11 +317,17 @@ class SeparationMonitor:
             uav,
             route,
             tuning=self.tuning,
-            cruise_mps=self.helicopter.cruise_mps if led else None,
+            cruise_mps=self._led_mps(route) if led else None,
             wind_mps=self.wind_mps,
             horizon_s=horizon_s + skipped * STEP_S,
         )
         return path[skipped:]
+
+    def _led_mps(self, route: Route) -> float:
+        """Return the speed it is led with; one far from the helicopter's is not believed."""
+        cruise, planned = self.helicopter.cruise_mps, route.speed_mps
+        believed = planned is not None and abs(planned - cruise) <= PLANNED_SHARE * cruise
+        return planned if planned is not None and believed else cruise
 
     def _apart(self, path: FloatArray, futures: list[Future]) -> list[Apart]:
         return apart(path, futures, self.parameters.follow_sigma_m)

@@ -19,7 +19,7 @@ from geometry_msgs.msg import (
 from geometry_msgs.msg import Pose as PoseMessage
 from nav_msgs.msg import Odometry, Path
 from sensor_msgs.msg import NavSatFix, NavSatStatus
-from std_msgs.msg import String
+from std_msgs.msg import Header, String
 
 from sar_estimator import topics
 from sar_estimator.fixes import Fix
@@ -306,22 +306,39 @@ def path_to_corner(path: Path, covariance: FloatArray | None = None) -> CornerEs
     )
 
 
-def points_to_path(points: FloatArray, time_s: float, *, climb_m: float = 0.0) -> Path:
+def points_to_path(
+    points: FloatArray, time_s: float, *, climb_m: float = 0.0, speed_mps: float | None = None
+) -> Path:
     """Return points, shape (n, 2) [m], as a path; no points withdraw the list.
 
-    ``climb_m``: how far above the usual altitude they are flown; it becomes their z.
+    ``climb_m``: how far above the usual altitude they are flown; it becomes their z. ``speed_mps``:
+    over ground, as planned; each pose is then stamped with when it is passed, counted from the
+    first.
     """
     path = Path()
     path.header.stamp = to_stamp(time_s)
     path.header.frame_id = FRAME
-    for x, y in points:
+    flown_m = 0.0
+    for i, (x, y) in enumerate(points.tolist()):
         pose = PoseStamped()
         pose.header = path.header
-        pose.pose.position.x, pose.pose.position.y = float(x), float(y)
+        if speed_mps is not None and i > 0:
+            flown_m += math.dist((x, y), points[i - 1])
+            pose.header = Header(frame_id=FRAME, stamp=to_stamp(time_s + flown_m / speed_mps))
+        pose.pose.position.x, pose.pose.position.y = x, y
         pose.pose.position.z = climb_m
         pose.pose.orientation.w = 1.0
         path.poses.append(pose)
     return path
+
+
+def path_speed_mps(path: Path) -> float | None:
+    """Return the ground speed [m/s] that a path's stamps say, None where they say nothing."""
+    if len(path.poses) < 2:
+        return None
+    (x0, y0), (x1, y1) = path_to_points(path)[:2].tolist()
+    first, second = (from_stamp(pose.header.stamp) for pose in path.poses[:2])
+    return math.hypot(x1 - x0, y1 - y0) / (second - first) if second > first else None
 
 
 def path_to_points(path: Path) -> FloatArray:

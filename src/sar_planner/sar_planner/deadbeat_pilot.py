@@ -410,7 +410,9 @@ class DeadbeatPilot(Pilot):
         off_m = math.hypot(here.x_m - there.x_m, here.y_m - there.y_m)
         expected = tuple(forecast.in_frame(approach.frame) for forecast in forecasts)
         if self.active is None:
-            approach = self._timed(approach, rest, expected[0], now_s)
+            trim = self._mission.speed_trim
+            approach = self.approach = approach.timed(rest, expected[0], now_s, trim)
+            self.speed_mps = approach.speed_mps
         speed = approach.speed_mps * self._share
         lag = final_lag_m(rest, expected[0], start_s=now_s, speed_mps=speed)
         tolerance = self._mission.lag_tolerance_m if self.active is not None else TIMING_M
@@ -429,19 +431,6 @@ class DeadbeatPilot(Pilot):
         if self.active is None or self.active.plan.rule is Rule.RJ or self._s.estimate is None:
             return None
         return StripsAt(self._corner.spacing_m, frame.to_frame(self._s.estimate.stop).x_m)
-
-    def _timed(
-        self, approach: Approach, rest: FlightPath, forecast: Forecast, now_s: float
-    ) -> Approach:
-        """Set the speed with which a rejoining UAV arrives together with its slot."""
-        v, trim = forecast.speed_mps, self._mission.speed_trim
-        left_s = forecast.zero_s - now_s + (rest.end.x_m - forecast.leg.x_m) / v
-        wanted = rest.length_m / left_s if left_s > 1.0 else math.inf
-        speed = min(max(wanted, v * (1.0 - trim)), v * (1.0 + trim))
-        begun = now_s - (approach.path.length_m - rest.length_m) / speed
-        self.speed_mps = speed
-        self.approach = replace(approach, speed_mps=speed, begun_s=begun)
-        return self.approach
 
     def _correct(
         self,

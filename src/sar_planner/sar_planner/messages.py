@@ -44,7 +44,7 @@ COLOURS = {
 
 def list_to_path(waypoints: WaypointList) -> Path:
     """Return a waypoint list as a path: the whole list; its stamp is its identity."""
-    return points_to_path(waypoints.points, waypoints.time_s)
+    return points_to_path(waypoints.points, waypoints.time_s, speed_mps=waypoints.speed_mps)
 
 
 def corner_record(active: ActiveCorner, waypoints: WaypointList) -> dict[str, Any]:

@@ -55,12 +55,16 @@ class MonitorStatus:
 
 @dataclass(frozen=True)
 class WaypointList:
-    """A whole list for the autopilot: ``points``, shape (n, 2) [m] in the map."""
+    """A whole list for the autopilot: ``points``, shape (n, 2) [m] in the map.
+
+    ``speed_mps``: the ground speed a path is planned with; None for a slot track.
+    """
 
     number: int
     time_s: float
     mode: str
     points: FloatArray
+    speed_mps: float | None = None
 
 
 PILOTS: dict[str, type[Pilot]] = {
@@ -320,7 +324,8 @@ class MissionPlanner:
             self.problem = "waypoints that are no numbers: list kept back"
             return None
         self._lists += 1
-        self.list = WaypointList(self._lists, now_s, name, points[:MAX_WAYPOINTS])
+        planned = None if self.mode in (Mode.LEG, Mode.HOLD) else speed
+        self.list = WaypointList(self._lists, now_s, name, points[:MAX_WAYPOINTS], planned)
         return self.list
 
     def _refused(self, now_s: float) -> str:

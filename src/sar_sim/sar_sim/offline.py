@@ -333,7 +333,8 @@ class OfflineFlight:
     def _offer(self, waypoints: WaypointList) -> None:
         """Hand a list on when the monitor lets it pass."""
         stamp = waypoints.time_s
-        if self.monitor.passes(waypoints.points, stamp, self.now_s):
+        speed = waypoints.speed_mps
+        if self.monitor.passes(waypoints.points, stamp, self.now_s, speed_mps=speed):
             self._clear(Cleared(waypoints.points, stamp))
         self._tell_monitor()
 

@@ -31,6 +31,7 @@ from sar_estimator.messages import (
     odometry_sigmas,
     odometry_to_leg,
     odometry_to_motion,
+    path_speed_mps,
     path_to_corner,
     path_to_points,
     points_to_path,
@@ -267,7 +268,8 @@ class MonitorReplay(_Module):
             self._publish(time_s, [(topics.CLEARED, message)])
         else:
             stamp = from_stamp(message.header.stamp)
-            if self._monitor.passes(path_to_points(message), stamp, time_s):
+            speed = path_speed_mps(message)
+            if self._monitor.passes(path_to_points(message), stamp, time_s, speed_mps=speed):
                 self._publish(time_s, [(topics.CLEARED, message)])
         self._tell(time_s)
 
