@@ -39,12 +39,13 @@ from sar_planner.parameters import CornerParameters
 from sar_planner.pilot import Pilot
 from sar_planner.rejoin import RejoinPlan, RejoinTask, rejoin
 from sar_planner.rules import CornerPlan, Rule
-from sar_planner.separation import least_apart_m
+from sar_planner.separation import beside_apart_m, least_apart_m
 from sar_planner.situation import Situation
 from sar_planner.speed_trim import MadeGood, trimmed_mps
 from sar_planner.strips import StripsAt
 
 OFF_PATH_M = 20.0
+BESIDE_M = 3.0
 SETTLED_RAD = math.radians(20.0)
 TIMING_M = 15.0
 MARGIN_SHARE = 0.4
@@ -281,7 +282,7 @@ class DeadbeatPilot(Pilot):
             lag,
             lead_m=lead,
             separations_m=self._separations_m(),
-            hurries=hurries_of(self.lists.air, estimate.speed_mps, self._mission.speed_trim),
+            hurries=hurries_of(self.lists.air, estimate.speed_mps, self._mission.corner_hurry),
             made_good=self.good.share,
         )
 
@@ -421,6 +422,10 @@ class DeadbeatPilot(Pilot):
         fits = abs(lag) < tolerance and not moved and (settling or off_m < OFF_PATH_M)
         margin = 0.0 if settling else MARGIN_SHARE * self._mission.separation_margin_m
         apart_m = least_apart_m(rest, expected, start_s=now_s, speed_mps=speed)
+        if off_m > BESIDE_M:
+            beside = here.x_m - there.x_m, here.y_m - there.y_m
+            now = beside_apart_m(rest, beside, expected, start_s=now_s, speed_mps=speed)
+            apart_m = min(apart_m, now)
         if fits and apart_m >= self._corner.separation_m + margin:
             return None
         safe = apart_m >= self._corner.separation_m and not moved

@@ -27,9 +27,8 @@ class MissionParameters:
     the first waypoint of a slot track. loiter_radius_m: of the circle a list ends in, as flown.
     stale_s: age at which a position is no longer planned with. speed_range: speeds of the
     helicopter, relative to V, that the rules are used for; accel_range: decelerations likewise.
-    speed_trim: share of V by which the UAV may be asked to fly faster or slower (deadbeat rules):
-    weaves are flown that much faster.
-    trim_gain: speed asked for per metre of lag [1/s]. lag_tolerance_m: predicted lag at the end of
+    speed_trim: share of V by which the UAV may be asked to fly faster or slower (deadbeat rules);
+    corner_hurry: by which it flies faster in weaves. trim_gain: speed asked for per metre of lag [1/s]. lag_tolerance_m: predicted lag at the end of
     a path that is worth a correction, and far_tolerance: at least this share of what is left of it.
     correction_s: least time between two corrections; settling_s: for how long after one the UAV may
     be beside its new path, and nearer than the margin to the helicopter, without another. ahead_m:
@@ -54,6 +53,7 @@ class MissionParameters:
     speed_range: tuple[float, float] = (0.75, 1.25)
     accel_range: tuple[float, float] = (0.6, 2.0)
     speed_trim: float = 0.1
+    corner_hurry: float = 0.05
     trim_gain: float = 0.1
     lag_tolerance_m: float = 8.0
     far_tolerance: float = 0.03
@@ -95,6 +95,10 @@ class MissionParameters:
                 raise ParameterError(f"{name} = {getattr(self, name)}: expected more than 0")
         if not 0.0 < self.speed_trim < 0.5:
             raise ParameterError(f"speed_trim = {self.speed_trim}: expected more than 0, under 0.5")
+        if not 0.0 <= self.corner_hurry <= self.speed_trim:
+            raise ParameterError(
+                f"corner_hurry = {self.corner_hurry}: expected 0 to speed_trim = {self.speed_trim}"
+            )
         if not 0.0 <= self.bias_gain <= 1.0:
             raise ParameterError(f"bias_gain = {self.bias_gain}: expected 0 to 1")
         for name in ("speed_range", "accel_range"):

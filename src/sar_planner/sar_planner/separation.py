@@ -15,6 +15,9 @@ from sar_planner.geometry import FlightPath, FloatArray
 from sar_planner.kernels import SAMPLE_M, least_apart, least_apart_of_each
 from sar_planner.parameters import CornerParameters
 
+BESIDE_S = 6.0
+BESIDE_STEP_S = 0.25
+
 
 @dataclass(frozen=True, slots=True)
 class ClosestApproach:
@@ -84,6 +87,24 @@ def least_apart_m(
         )
         least = min(least, one)
     return least
+
+
+def beside_apart_m(
+    path: FlightPath,
+    beside_m: tuple[float, float],
+    forecasts: Sequence[Forecast],
+    *,
+    start_s: float,
+    speed_mps: float,
+) -> float:
+    """Return the least distance [m], for ``BESIDE_S``, of a UAV that flies beside its path.
+
+    ``beside_m``: how far, in x and y. Later it will have come back to it.
+    """
+    times = np.arange(0.0, BESIDE_S, BESIDE_STEP_S)
+    points = path.points(times * speed_mps) + np.array(beside_m)
+    gaps = [points - forecast.positions(start_s + times) for forecast in forecasts]
+    return math.sqrt(min(float(np.square(gap).sum(axis=1).min()) for gap in gaps))
 
 
 def sampling_slack_m(distance_m: float, radius_m: float) -> float:

@@ -53,11 +53,13 @@ class Vehicle:
                 f"autopilot's ROLL_LIMIT_DEG = {limit_deg:g}: expected at least "
                 f"{needed_deg:.0f} for R = {r:g} m at {top:.1f} m/s over ground"
             )
-        tuning = self.tuning(mission)
-        if tuning is not None and tuning.period_s > (longest := tuning.longest_period_s(r, v)):
+        tuning, hurried = self.tuning(mission), v * (1.0 + mission.corner_hurry)
+        if tuning is not None and tuning.period_s > (
+            longest := tuning.longest_period_s(r, hurried)
+        ):
             return (
                 f"autopilot's NAVL1_PERIOD = {tuning.period_s:g}: expected at most {longest:.1f} s "
-                f"for R = {r:g} m at {v:g} m/s"
+                f"for R = {r:g} m at {hurried:g} m/s"
             )
         return ""
 
