@@ -28,13 +28,14 @@ class MissionParameters:
     stale_s: age at which a position is no longer planned with. speed_range: speeds of the
     helicopter, relative to V, that the rules are used for; accel_range: decelerations likewise.
     speed_trim: share of V by which the UAV may be asked to fly faster or slower (deadbeat rules);
-    corner_hurry: by which it flies faster in weaves. trim_gain: speed asked for per metre of lag [1/s]. lag_tolerance_m: predicted lag at the end of
-    a path that is worth a correction, and far_tolerance: at least this share of what is left of it.
-    correction_s: least time between two corrections; settling_s: for how long after one the UAV may
-    be beside its new path, and nearer than the margin to the helicopter, without another. ahead_m:
-    how far ahead of its slot the UAV may be on a leg before it is led back to it.
-    separation_margin_m: planned beyond the least separation where that costs nothing. bias_gain:
-    share of the newest corner's extra path in what is expected of the next.
+    corner_hurry: by which it flies faster in weaves. trim_gain: speed asked for per metre of lag
+    [1/s]. lag_tolerance_m: predicted lag at the end of a path that is worth a correction, and
+    far_tolerance: at least this share of what is left of it. correction_s: least time between two
+    corrections; settling_s: for how long after one the UAV may be beside its new path, and nearer
+    than the margin to the helicopter, without another. ahead_m: how far ahead of its slot the UAV
+    may be on a leg before it is led back to it. separation_margin_m: planned beyond the least
+    separation where that costs nothing. bias_gain: share of the newest corner's extra path in what
+    is expected of the next.
     """
 
     turn_side: int = 1
@@ -95,12 +96,9 @@ class MissionParameters:
                 raise ParameterError(f"{name} = {getattr(self, name)}: expected more than 0")
         if not 0.0 < self.speed_trim < 0.5:
             raise ParameterError(f"speed_trim = {self.speed_trim}: expected more than 0, under 0.5")
-        if not 0.0 <= self.corner_hurry <= self.speed_trim:
-            raise ParameterError(
-                f"corner_hurry = {self.corner_hurry}: expected 0 to speed_trim = {self.speed_trim}"
-            )
-        if not 0.0 <= self.bias_gain <= 1.0:
-            raise ParameterError(f"bias_gain = {self.bias_gain}: expected 0 to 1")
+        for name, most in (("corner_hurry", self.speed_trim), ("bias_gain", 1.0)):
+            if not 0.0 <= getattr(self, name) <= most:
+                raise ParameterError(f"{name} = {getattr(self, name)}: expected 0 to {most:g}")
         for name in ("speed_range", "accel_range"):
             limits = getattr(self, name)
             if len(limits) != 2 or not 0.0 < limits[0] <= limits[1]:
