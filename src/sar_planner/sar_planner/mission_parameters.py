@@ -94,15 +94,18 @@ class MissionParameters:
         ):
             if not 0.0 < getattr(self, name) < math.inf:
                 raise ParameterError(f"{name} = {getattr(self, name)}: expected more than 0")
+        self._check_shares()
+        for name in ("speed_range", "accel_range"):
+            limits = getattr(self, name)
+            if len(limits) != 2 or not 0.0 < limits[0] <= limits[1]:
+                raise ParameterError(f"{name} = {limits}: expected two numbers, 0 < low <= high")
+
+    def _check_shares(self) -> None:
         if not 0.0 < self.speed_trim < 0.5:
             raise ParameterError(f"speed_trim = {self.speed_trim}: expected more than 0, under 0.5")
         for name, most in (("corner_hurry", self.speed_trim), ("bias_gain", 1.0)):
             if not 0.0 <= getattr(self, name) <= most:
                 raise ParameterError(f"{name} = {getattr(self, name)}: expected 0 to {most:g}")
-        for name in ("speed_range", "accel_range"):
-            limits = getattr(self, name)
-            if len(limits) != 2 or not 0.0 < limits[0] <= limits[1]:
-                raise ParameterError(f"{name} = {limits}: expected two numbers, 0 < low <= high")
 
 
 class Mode(enum.StrEnum):
