@@ -12,6 +12,7 @@ from sar_bridge.helicopter_futures import Habits
 from sar_bridge.separation_monitor import (
     Alert,
     MonitorParameters,
+    Offered,
     SeparationMonitor,
     monitor_text,
 )
@@ -108,6 +109,19 @@ def test_the_doubt_is_in_the_lists_favour():
         bench = Bench(uav=(0.0, -197.0), gate_sigmas=sigmas)
         bench.monitor.set_flown(close)
         assert bench.offer(close) is passes
+
+
+def test_a_list_is_predicted_at_the_speed_it_is_planned_with_within_reason():
+    """Ahead of the helicopter across its way: only who hurries is gone in time."""
+    across = np.array([[500.0, -250.0], [530.0, -220.0], [530.0, 2500.0]])
+    verdicts = []
+    for speed in (None, 16.5, 23.5, 60.0):
+        bench = Bench(uav=(250.0, -250.0), gate_sigmas=0.0)
+        path = bench.monitor._path(Offered(across, speed).route(bench.uav), bench.now_s, 30.0)
+        verdicts.append(float(path[-1, 1]))
+    unknown, slow, fast, absurd = verdicts
+    assert slow < unknown - 60.0 < unknown + 60.0 < fast
+    assert absurd == unknown
 
 
 def test_a_list_that_is_better_than_what_is_flown_passes():

@@ -105,6 +105,17 @@ def test_points_round_trip():
     assert m.path_to_points(m.points_to_path(np.empty((0, 2)), 7.0)).shape == (0, 2)
 
 
+def test_stamps_tell_the_speed_that_a_path_is_planned_with():
+    points = np.array([[0.0, 0.0], [30.0, 40.0], [30.0, 140.0]])
+    path = m.points_to_path(points, 7.0, speed_mps=20.0)
+    assert [m.from_stamp(pose.header.stamp) for pose in path.poses] == pytest.approx(
+        [7.0, 9.5, 14.5]
+    )
+    assert m.path_speed_mps(path) == pytest.approx(20.0)
+    assert m.path_speed_mps(m.points_to_path(points, 7.0)) is None
+    assert m.path_speed_mps(m.points_to_path(points[:1], 7.0, speed_mps=20.0)) is None
+
+
 def test_diagnostics_level_follows_the_problem():
     good = m.diagnostics(1.0, "x", problem="", values={"a": 1}).status[0]
     bad = m.diagnostics(1.0, "x", problem="broken", values={}).status[0]

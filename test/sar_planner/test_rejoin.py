@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sar_estimator.plane import Pose
+from sar_planner.captures import CaptureProblem, PathBatch, turn_to
 from sar_planner.forecast import cornering, cruising, departing
-from sar_planner.rejoin import RejoinTask, rejoin
+from sar_planner.rejoin import RejoinTask, _Found, _Search, rejoin
 from sar_planner.rejoin_bound import unhindered_s
 from sar_planner.separation import closest_over_time
 
@@ -84,3 +85,31 @@ def test_last_turn_and_speed_are_polished():
     plan = rejoin(task(Pose(184.42, 523.33, math.radians(-32.397)), separation=205.0))
     assert plan.kept
     assert plan.duration_s < 68.0
+
+
+@pytest.mark.parametrize("start", [Pose(600.0, -300.0, 2.0), Pose(-500.0, 700.0, -1.0)])
+@pytest.mark.parametrize("name", sorted(FORECASTS))
+def test_the_soonest_capture_is_that_of_all_of_its_kind(start, name):
+    search = _Search(task(start, name))
+    grid = np.radians(np.arange(-180.0, 180.0, 15.0))
+    h1, h2 = (g.ravel() for g in np.meshgrid(grid, grid, indexing="ij"))
+    compared = 0
+    for speed, last, sides in list(search.families())[::7]:
+        problem = CaptureProblem(start, 100.0, 20.0 / speed, last)
+        turn_1 = turn_to(np.full_like(h1, start.heading_rad), h1, sides[0])
+        batch = problem.solve(
+            problem.arcs(turn_1, turn_to(h1, h2, sides[1]), sides[2]), search.task.ahead_m
+        )
+        distances = search.distances_m(_Found(batch.rows, np.full(len(batch), speed)))
+        kept = batch.lengths_m[distances >= search.needed_m] / speed
+        found = search.soonest(speed, last, sides, (grid, grid), math.inf)
+        if kept.size == 0:
+            assert found is None
+            continue
+        compared += 1
+        assert found.time_s == pytest.approx(kept.min(), abs=1e-6)
+        assert search.soonest(speed, last, sides, (grid, grid), found.time_s) is None
+        row = PathBatch(start, 100.0, found.row[None, :])
+        assert problem.detours_m(row)[0] == pytest.approx(search.task.ahead_m, abs=1e-6)
+        assert row.ends[0, 1] == pytest.approx(0.0, abs=1e-6)
+    assert compared > 5

@@ -7,14 +7,19 @@ from hypothesis import strategies as st
 
 from sar_estimator.plane import Pose
 from sar_planner.automaton import PaperAutomaton
-from sar_planner.forecast import cornering
+from sar_planner.deadbeat import DeadbeatRules, slot_frame
+from sar_planner.forecast import cornering, cruising
+from sar_planner.geometry import FlightPath, Straight
 from sar_planner.parameters import CornerParameters
 from sar_planner.rules import Rule, build
 from sar_planner.separation import (
+    beside_apart_m,
     closest_approach,
     closest_over_time,
     corner_forecast,
     least_apart_m,
+    least_distances_m,
+    sampling_slack_m,
 )
 
 P = CornerParameters()
@@ -76,3 +81,54 @@ def test_the_distance_looked_at_in_steps_is_hardly_above_the_closest_approach(la
     found = least_apart_m(path, (corner, longer), start_s=1.0, speed_mps=18.0)
     # Less where it looks a last step beyond the end, the helicopter 2 m/s faster.
     assert least - 0.4 <= found <= math.hypot(least, 4.0) + 0.2
+
+
+@settings(max_examples=60)
+@given(
+    st.floats(-800.0, 1400.0),
+    st.floats(0.0, 200.0),
+    st.floats(0.6, 1.1),
+    st.sampled_from(["curves", "weaves"]),
+)
+def test_every_paths_least_distance_is_what_a_fine_look_finds(lag, lead, made_good, kind):
+    rules = DeadbeatRules(P, made_good=made_good)
+    problem = rules.problem(lag)
+    batch = (
+        rules.curves(problem, lead).batch
+        if kind == "curves"
+        else rules.weaves(problem, lead, np.radians(np.array([[120.0, 40.0, 56.0]])))
+    )
+    batch = batch.take(range(0, len(batch), max(1, len(batch) // 5)))
+    forecast = corner_forecast(P).in_frame(slot_frame(P))
+    speed = P.speed_mps * made_good
+    found = least_distances_m(batch, forecast, start_s=0.0, speeds_mps=speed, lead_mps=P.speed_mps)
+    for i, distance in enumerate(found):
+        path, first = batch.path(i), float(batch.rows[i, 0])
+        begun = first / P.speed_mps
+        end = max(begun + (path.length_m - first) / speed, forecast.steady_s)
+        times = np.linspace(0.0, end, 4001)
+        flown = np.where(times < begun, P.speed_mps * times, first + speed * (times - begun))
+        over = np.maximum(flown - path.length_m, 0.0)
+        flown += over * (P.speed_mps / speed - 1.0)
+        gap = path.points(flown) - forecast.positions(times)
+        least = float(np.hypot(*gap.T).min())
+        slack = sampling_slack_m(max(least, 50.0), P.turn_radius_m)
+        assert least - 0.02 <= distance <= least + slack + 0.02
+        if least > 100.0:
+            enough = least_distances_m(
+                batch.take([i]),
+                forecast,
+                start_s=0.0,
+                speeds_mps=speed,
+                lead_mps=P.speed_mps,
+                enough_m=least + 5.0,
+            )
+            assert least - 0.02 <= enough[0] < least + 5.0
+
+
+def test_a_uav_beside_its_path_is_looked_at_where_it_is():
+    path = FlightPath.of(Pose(0.0, 0.0, 0.0), (Straight(2000.0),))
+    forecast = cruising(0.0, Pose(0.0, 250.0, 0.0), 20.0)
+    for beside, least in (((0.0, 0.0), 250.0), ((0.0, 40.0), 210.0), ((30.0, -40.0), 291.5)):
+        found = beside_apart_m(path, beside, (forecast,), start_s=0.0, speed_mps=20.0)
+        assert found == pytest.approx(least, abs=0.1)
