@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from shapely import LineString, Point
 
-from sar_planner.rule_sets import RULE_SETS
+from sar_planner.parameters import RULE_SETS
 from sar_sim.bag import read_messages
 from sar_sim.fly_cli import main as fly
 from sar_sim.offline import OfflineFlight

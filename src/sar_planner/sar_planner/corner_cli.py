@@ -11,8 +11,8 @@ import yaml
 
 from sar_planner.automaton import PaperAutomaton
 from sar_planner.deadbeat_automaton import DeadbeatAutomaton
-from sar_planner.parameters import CornerParameters, ParameterError
-from sar_planner.rule_sets import RULE_SETS, make_rule_set
+from sar_planner.parameters import RULE_SETS, CornerParameters, ParameterError
+from sar_planner.rule_sets import make_rule_set
 from sar_planner.rules import CornerPlan, NoPathError, Rule, build
 from sar_planner.separation import closest_approach
 

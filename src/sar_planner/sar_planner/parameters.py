@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+RULE_SETS = ("deadbeat", "paper")
+PLANNERS = (*RULE_SETS, "follow")
+
 
 class ParameterError(ValueError):
     """A parameter out of bounds; the message names it, its value and what was expected."""

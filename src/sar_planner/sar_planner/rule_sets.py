@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from sar_planner.automaton import PaperAutomaton
 from sar_planner.deadbeat_automaton import DeadbeatAutomaton
-from sar_planner.parameters import CornerParameters, ParameterError
-
-RULE_SETS = ("deadbeat", "paper")
-PLANNERS = (*RULE_SETS, "follow")
+from sar_planner.parameters import PLANNERS, RULE_SETS, CornerParameters, ParameterError
 
 
 def make_rule_set(

@@ -16,7 +16,7 @@ from typing import Any, TypeGuard, cast
 
 import numpy as np
 
-from sar_planner.rule_sets import PLANNERS
+from sar_planner.parameters import PLANNERS
 from sar_sim.missions import Mission, fly, seeded
 from sar_sim.options import find_scenario
 from sar_sim.scenario import Scenario, ScenarioError, read_document, scenario_document, scenario_of

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from sar_planner.rule_sets import PLANNERS
+from sar_planner.parameters import PLANNERS
 from sar_sim.bag import BagWriter
 from sar_sim.offline import OfflineFlight, Progress
 from sar_sim.options import (

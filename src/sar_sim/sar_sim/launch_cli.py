@@ -23,8 +23,7 @@ from sar_bridge.link import opener
 from sar_estimator import topics
 from sar_estimator.messages import from_stamp
 from sar_estimator.node_support import RELIABLE, start_ros
-from sar_planner.parameters import ParameterError
-from sar_planner.rule_sets import PLANNERS, check_planner
+from sar_planner.parameters import PLANNERS, ParameterError
 from sar_sim.dds_cut import DdsCut
 from sar_sim.faults import NodeFaults
 from sar_sim.home_link import home_of
@@ -36,9 +35,7 @@ from sar_sim.options import (
     scenario_folder,
     scenario_from,
 )
-from sar_sim.processes import NodeProcess, folder_bytes
-from sar_sim.report import write_report
-from sar_sim.report_cli import summary_line
+from sar_sim.processes import NodeProcess, folder_bytes, run_apart
 from sar_sim.scenario import NODES, Scenario, read_document, scenario_document
 from sar_sim.tracks import load_track
 
@@ -246,7 +243,7 @@ def prepare(args: argparse.Namespace) -> Flight:
     scenario = scenario_from(args)
     if options.autopilot and options.helicopter == "sim" and scenario.datum == Scenario().datum:
         scenario = replace(scenario, datum=home_of(options.autopilot))
-    check_planner(args.rules, scenario.corner)
+    run_apart("sar_planner.rule_sets:check_planner", args.rules, scenario.corner)
     if options.recorded:
         load_track(Path(options.helicopter))
     file = args.params or scenario_folder().parent / "params.yaml"
@@ -289,8 +286,7 @@ def main(argv: list[str] | None = None) -> int:
     if flight.stopped_by:
         sys.stdout.write(f"stopped by {flight.stopped_by}\n")
     try:
-        metrics = write_report(flight.bag, flight.out)
-        sys.stdout.write(f"{summary_line(metrics)}\n{flight.out}/report.html\n")
+        sys.stdout.write(run_apart("sar_sim.report_cli:reported", flight.bag, flight.out))
     except Exception as error:  # noqa: BLE001 - a cut bag may hold anything
         sys.stderr.write(f"launch: no report: {error}\n")
         return 1

@@ -54,9 +54,9 @@ from sar_planner.vehicle import Vehicle
 from sar_sim.bag import BagWriter, canonical
 from sar_sim.gps import Reception
 from sar_sim.handover import load_list, monitor_for, tell_monitor
-from sar_sim.helicopter import CornerTruth
 from sar_sim.presets import parameter_values
-from sar_sim.scenario import Scenario, scenario_document
+from sar_sim.scenario import Scenario
+from sar_sim.texts import corner_truth_text, scenario_text
 from sar_sim.truth import TrueEstimates
 from sar_sim.world import World
 
@@ -83,16 +83,6 @@ def message_kind(message: Any) -> str:
     """Return a message's type as ``pkg/msg/Name``."""
     package = type(message).__module__.split(".")[0]
     return f"{package}/msg/{type(message).__name__}"
-
-
-def corner_truth_text(corner: CornerTruth) -> str:
-    """Return a true corner as JSON."""
-    return json.dumps(asdict(corner))
-
-
-def scenario_text(scenario: Scenario) -> str:
-    """Return a scenario as JSON."""
-    return json.dumps(scenario_document(scenario))
 
 
 def mission_parameters(scenario: Scenario, *, rules: str) -> MissionParameters:

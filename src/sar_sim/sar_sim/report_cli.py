@@ -26,6 +26,11 @@ def summary_line(metrics: dict[str, Any]) -> str:
     )
 
 
+def reported(bag: Path, out: Path) -> str:
+    """Write a bag's report to a folder; return what to say of it."""
+    return f"{summary_line(write_report(bag, out))}\n{out}/report.html\n"
+
+
 def main(argv: list[str] | None = None) -> int:
     """Run the command; 2 on bad input."""
     parser = argparse.ArgumentParser(prog="report", description=__doc__)
@@ -34,11 +39,11 @@ def main(argv: list[str] | None = None) -> int:
     args = parser.parse_args(argv)
     out = args.out or args.bag.parent
     try:
-        metrics = write_report(args.bag, out)
+        said = reported(args.bag, out)
     except BAG_ERRORS as error:
         sys.stderr.write(f"report: {args.bag}: {error}\n")
         return 2
-    sys.stdout.write(f"{summary_line(metrics)}\n{out}/report.html\n")
+    sys.stdout.write(said)
     return 0
 
 

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sar_planner.parameters import CornerParameters
-from sar_planner.rule_sets import RULE_SETS
+from sar_planner.parameters import RULE_SETS, CornerParameters
 from sar_sim.bag import BagWriter
 from sar_sim.campaign import Campaign, Combination, load_campaign
 from sar_sim.campaign_cli import fly_campaign

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sar_planner.parameters import CornerParameters
-from sar_planner.rule_sets import RULE_SETS, make_rule_set
+from sar_planner.parameters import RULE_SETS, CornerParameters
+from sar_planner.rule_sets import make_rule_set
 from sar_planner.separation import closest_approach
 from sar_sim.coverage import FloatArray
 from sar_sim.figures import draw_rules

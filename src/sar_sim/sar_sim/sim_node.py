@@ -37,9 +37,9 @@ from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
 from sar_sim.autopilot_link import AutopilotLink
 from sar_sim.autopilot_server import AutopilotServer
-from sar_sim.offline import corner_truth_text, scenario_text
 from sar_sim.pacer import AutopilotPacer, Pacer, RealTimePacer
 from sar_sim.scenario import Scenario, load_scenario
+from sar_sim.texts import corner_truth_text, scenario_text
 from sar_sim.tracks import load_track
 from sar_sim.world import World
 
