@@ -168,3 +168,13 @@ def test_an_autopilot_that_boots_keeps_mission_and_mode_and_forgets_a_transfer()
     assert tell(server, item(0, waypoint_items(np.zeros((1, 2)), DATUM, 1.0)[0]))[0].type == (
         mavlink.MAV_MISSION_ERROR
     )
+
+
+def test_the_heartbeat_is_repeated_while_time_stands_until_somebody_answers(server):
+    def heartbeats(time_s):
+        return sum(one.get_type() == "HEARTBEAT" for one in server.telemetry(time_s))
+
+    assert [heartbeats(0.0) for _ in range(4)] == [1, 1, 1, 1]
+    tell(server, mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 0, 3))
+    assert [heartbeats(0.0) for _ in range(4)] == [0, 0, 0, 0]
+    assert sum(heartbeats(0.05 * i) for i in range(1, 41)) == 2

@@ -41,6 +41,7 @@ class AutopilotServer:
         self._asked_s = 0.0
         self._asked = 0
         self._next_position_s = 0.0
+        self._told_s = math.nan
         self._next_heartbeat_s = 0.0
         self._settled_s = -math.inf
         self._heard_s = math.inf
@@ -231,8 +232,15 @@ class AutopilotServer:
         return out
 
     def telemetry(self, time_s: float) -> Messages:
-        """Return what is due at the simulation's ``time_s`` [s]."""
+        """Return what is due at the simulation's ``time_s`` [s].
+
+        While that stands the heartbeat is repeated until a ground station answers: it may have
+        begun to listen only now.
+        """
         out: Messages = []
+        if time_s == self._told_s and not self.gcs_seen:
+            out.append(self._heartbeat())
+        self._told_s = time_s
         if time_s >= self._next_heartbeat_s - 1e-9:
             self._next_heartbeat_s = time_s + HEARTBEAT_PERIOD_S
             out += [self._heartbeat(), self._wind(), self._air_data()]
