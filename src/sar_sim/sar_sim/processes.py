@@ -17,6 +17,7 @@ from typing import Any
 
 PR_SET_PDEATHSIG = 1
 LAST_LINES = 15
+SELDOM_COMPUTES = ("bridge",)
 
 
 def _die_with_parent() -> None:
@@ -47,6 +48,8 @@ class NodeProcess:
         self.name, self.log = name, log
         self._begun_s = time.monotonic()
         environment = dict(os.environ, PYTHONUNBUFFERED="1", OPENBLAS_NUM_THREADS="1")
+        if name in SELDOM_COMPUTES:
+            environment.setdefault("SAR_COMPILE", "0")
         with log.open("ab") as stream:
             self._process = subprocess.Popen(  # noqa: S603
                 list(command),
