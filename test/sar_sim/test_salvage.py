@@ -1,6 +1,8 @@
 """Bags whose recorder was killed are read up to their last whole record."""
 
+import errno
 import os
+import threading
 from pathlib import Path
 
 import pytest
@@ -96,3 +98,27 @@ def test_a_file_that_is_no_bag_is_one_line(tmp_path, content):
         numbers(tmp_path / "bag")
     assert str(tmp_path) in str(error.value)
     assert Path(tmp_path, "bag", "bag.mcap").read_bytes() == content
+
+
+def test_a_slow_disk_is_not_waited_for_and_its_error_is_told(tmp_path, monkeypatch):
+    begun, go_on = threading.Event(), threading.Event()
+    calls = []
+
+    def fsync(number):
+        calls.append(number)
+        begun.set()
+        assert go_on.wait(30.0)
+        raise OSError(errno.EIO, "no disk")
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    bag = BagWriter(tmp_path / "bag")
+    for _ in range(3):
+        bag.write("/t", "std_msgs/msg/String", serialize_message(text_message("x")), 1.0)
+        bag.flush()
+        assert begun.wait(30.0)
+    assert len(calls) == 1
+    go_on.set()
+    assert bag._synced.exception(timeout=30.0) is not None
+    with pytest.raises(OSError, match="no disk"):
+        bag.flush()
+    bag.close()
