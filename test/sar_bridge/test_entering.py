@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 
 from sar_bridge.entering import LOOKED_AHEAD_S, STEP_S, Track
+from sar_bridge.entry import entry_of
 from sar_bridge.follower import FollowerTuning
-from sar_bridge.mission_banks import MakeCurrent, MissionBanks, Write
+from sar_bridge.mission_banks import MissionBanks, RunIn, Write
 from sar_bridge.mission_items import waypoint_items
 from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
-from sar_sim.autopilot import FlightMode, SimAutopilot
+from sar_sim.autopilot import SimAutopilot
+from sar_sim.handover import load_list
 from sar_sim.presets import parameter_values
 from sar_sim.scenario import AUTOPILOTS, Uav
 
@@ -21,25 +23,20 @@ HERE = Motion(0.0, 0.0, 0.0, 20.0, 0.0)
 STRAIGHT = np.column_stack((np.arange(60.0, 1000.0, 60.0), np.zeros(16)))
 # A right turn as lists have it for this guidance: close together, inside of the way flown.
 TURN = np.array(
-    [[30.0, -4.0], [52.0, -12.0], [70.0, -26.0], [84.0, -44.0], [92.0, -66.0], [94.0, -90.0],
-     [94.0, -150.0], [94.0, -300.0], [94.0, -600.0]]
+    [[0.0, -1.0], [15.8, -9.7], [36.0, -24.0], [51.5, -40.5], [62.5, -58.8], [68.8, -78.2],
+     [70.2, -98.0], [66.9, -117.1], [59.0, -134.5], [47.1, -149.2], [31.8, -160.2], [12.0, -179.3]]
 )  # fmt: skip
+ASIDE = np.vstack(((0.0, 15.0), STRAIGHT + np.array((0.0, 15.0))))
 
 
-def sim(points, first):
-    """Return an autopilot that has flown ``STRAIGHT`` and is given item ``first`` of ``points``."""
+def flying():
+    """Return an autopilot on the first list, ``STRAIGHT``, and the banks that hold it."""
     pilot = SimAutopilot(Pose(-200.0, 0.0, 0.0), speed_mps=20.0, uav=UAV, datum=DATUM)
-    pilot.load(waypoint_items(STRAIGHT, DATUM, 150.0))
-    pilot.set_current(1)
-    pilot.set_mode(FlightMode.AUTO)
+    banks = MissionBanks(altitude_m=150.0)
+    load_list(pilot, banks, STRAIGHT, DATUM)
     while pilot.motion.x_m < 0.0 or pilot.current < 2:
         pilot.step(0.05)
-    old = tuple(STRAIGHT[pilot.current - 1])
-    begun = pilot.motion
-    pilot.load(waypoint_items(points + np.array((begun.x_m, begun.y_m)), DATUM, 150.0))
-    for seq in first:
-        pilot.set_current(seq)
-    return pilot, begun, old
+    return pilot, banks
 
 
 def flown(pilot, seconds=LOOKED_AHEAD_S):
@@ -51,69 +48,47 @@ def flown(pilot, seconds=LOOKED_AHEAD_S):
     return np.array(out)
 
 
-@pytest.mark.parametrize("points", [TURN, TURN * (1.0, -1.0), STRAIGHT + np.array((0.0, 15.0))])
-@pytest.mark.parametrize("seq", [1, 2, 4])
-@pytest.mark.parametrize("twice", [False, True])
-def test_what_is_made_current_is_flown_as_foretold(points, seq, twice):
-    pilot, begun, old = sim(points, [seq, seq] if twice else [seq])
-    track = flown(pilot)
-    places = points + np.array((begun.x_m, begun.y_m))
-    foretold = Track(places[seq - 1 :], begun, TUNING)
-    index, apart_m = foretold.entry(old, tracked=not twice)
-    assert apart_m >= 0.0
-    if index == 0:
-        wanted = float(np.hypot(*(track - foretold._wanted).T).max())
-        assert apart_m == pytest.approx(wanted, abs=3.0)
+@pytest.mark.parametrize("points", [TURN, TURN * (1.0, -1.0), ASIDE, TURN[2:] - TURN[2]])
+@pytest.mark.parametrize("again", [False, True])
+def test_a_list_is_flown_leg_by_leg_from_where_it_is_entered(points, again):
+    """Run-ins lead onto the leg itself: no leg is begun where the UAV is, or only headed for."""
+    pilot, banks = flying()
+    here = pilot.motion
+    places = points + np.array((here.x_m, here.y_m))
+    entry = entry_of(places, here)
+    foretold = Track(places[entry.at :], entry.begin, here, TUNING)
+    for _ in range(1 + again):
+        load_list(pilot, banks, places, DATUM)
+    assert np.hypot(*(flown(pilot) - foretold.flown).T).max() < 8.0
 
 
-def test_a_list_that_goes_straight_on_is_entered_at_its_begin():
-    track = Track(STRAIGHT, HERE, TUNING)
-    assert track.entry((60.0, 0.0), tracked=True) == (0, pytest.approx(0.0, abs=0.1))
-    assert track.apart_m(STRAIGHT, (0.0, 0.0), frozenset()) == pytest.approx(0.0, abs=0.1)
+def test_without_a_run_in_a_turn_is_flown_far_aside():
+    """What the run-in is for: an item of the list that is simply made current."""
+    pilot, _ = flying()
+    here = pilot.motion
+    places = TURN + np.array((here.x_m, here.y_m))
+    entry = entry_of(places, here)
+    foretold = Track(places[entry.at :], entry.begin, here, TUNING)
+    pilot.load(waypoint_items(places, DATUM, 150.0))
+    pilot.set_current(1 + entry.at)
+    pilot.set_current(1 + entry.at)
+    assert np.hypot(*(flown(pilot) - foretold.flown).T).max() > 15.0
 
 
-def test_another_list_is_far_apart():
-    track = Track(STRAIGHT, HERE, TUNING)
-    assert track.apart_m(STRAIGHT * (-1.0, 1.0), (0.0, 0.0), frozenset()) > 100.0
+def test_a_list_flown_alike_is_not_apart_and_another_is():
+    track = Track(STRAIGHT, (0.0, 0.0), HERE, TUNING)
+    assert track.apart_m(STRAIGHT, (0.0, 0.0)) == pytest.approx(0.0, abs=1e-9)
+    assert track.apart_m(STRAIGHT * (-1.0, 1.0), (0.0, 0.0)) > 100.0
 
 
-def test_the_waypoint_chosen_is_flown_nearest_to_the_list():
-    track = Track(TURN, HERE, TUNING)
-    best, apart_m = track.entry((60.0, 0.0), tracked=True)
-    direct = frozenset({1})
-    others = [track.apart_m(TURN[i:], (0.0, 0.0), direct) for i in range(len(TURN) - 2)]
-    assert apart_m <= min(others) + 1.0
-    assert others[best] == pytest.approx(apart_m)
-
-
-def test_a_jump_is_chosen_where_it_keeps_nearer_and_made_current_where_that_does():
-    banks = MissionBanks(altitude_m=150.0)
-    banks.whole(STRAIGHT, DATUM)
-    start = banks.fill(STRAIGHT + np.array((30.0, 10.0)), DATUM, 1).start
-    step = banks.join(1, HERE, within_s=0.5, tuning=TUNING)
+def test_a_jump_is_chosen_where_it_keeps_to_the_list_and_a_run_in_elsewhere():
+    pilot, banks = flying()
+    here = np.array((pilot.motion.x_m, pilot.motion.y_m))
+    args = {"within_s": 0.5, "tuning": TUNING}
+    banks.fill(STRAIGHT + here * (1.0, 0.0) + np.array((5.0, 1.0)), DATUM, pilot.current)
+    step = banks.join(pilot.current, pilot.motion, DATUM, **args)
     assert isinstance(step, Write)
-    assert step.start == 2
-    start = banks.fill(TURN, DATUM, 1).start
-    step = banks.join(1, HERE, within_s=0.5, tuning=TUNING)
-    assert isinstance(step, MakeCurrent)
-    assert start <= step.seq < start + len(TURN)
-
-
-def test_legs_after_one_made_current_are_known_not_to_be_tracked():
-    banks = MissionBanks(altitude_m=150.0)
-    banks.whole(STRAIGHT, DATUM)
-    assert banks._made.next_tracked(1)
-    assert banks._made.direct(1) == frozenset({0})
-    start = banks.fill(TURN, DATUM, 2).start
-    seq = banks.join(2, HERE, within_s=0.5, tuning=TUNING).seq
-    assert seq >= start
-    made = banks._made
-    assert (made.seq, made.tracked) == (seq, True)
-    assert not made.next_tracked(seq)
-    assert made.direct(seq) == frozenset({1})
-    assert made.direct(seq + 1) == frozenset({0})
-    assert made.direct(seq + 2) == frozenset()
-    banks.fill(TURN * (1.0, -1.0) + (0.0, 30.0), DATUM, seq)
-    seq = banks.join(seq, HERE, within_s=0.5, tuning=TUNING).seq
-    assert not banks._made.tracked
-    assert banks._made.direct(seq) == frozenset({0, 1})
+    assert not isinstance(step, RunIn)
+    assert step.start == pilot.current + 1
+    banks.fill(TURN + here, DATUM, pilot.current)
+    assert isinstance(banks.join(pilot.current, pilot.motion, DATUM, **args), RunIn)

@@ -8,7 +8,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_bridge.autopilot_state import AutopilotState, BootClock
 from sar_bridge.commands import Command, CommandQueue
-from sar_bridge.mission_banks import BANK_ITEMS, BANKS
+from sar_bridge.mission_banks import BANK_ITEMS, BANKS, RUN_IN_ITEMS
 from sar_bridge.mission_upload import Address
 from sar_bridge.session import AutopilotSession
 from sar_estimator.geodesy import Datum
@@ -328,7 +328,7 @@ def test_list_in_flight_goes_into_a_bank_and_is_joined_without_beginning_a_leg_a
     bench.exchange(bench.session.set_list(line, 1.0, DATUM, bench.now))
     bench.run(2.0)
     before, current = len(bench.sent), bench.autopilot.current
-    bench.exchange(bench.session.set_list(line + np.array((50.0, 5.0)), 2.0, DATUM, bench.now))
+    bench.exchange(bench.session.set_list(line + np.array((50.0, 0.5)), 2.0, DATUM, bench.now))
     assert kinds(bench, before).count("MISSION_WRITE_PARTIAL_LIST") == 2
     assert "COMMAND_LONG" not in kinds(bench, before)
     assert "MISSION_COUNT" not in kinds(bench, before)
@@ -336,7 +336,7 @@ def test_list_in_flight_goes_into_a_bank_and_is_joined_without_beginning_a_leg_a
     assert bench.session.uploaded.stamp_s == 2.0
     bench.run(20.0)
     assert bench.autopilot.current > BANK_ITEMS
-    assert bench.autopilot.state.y_m == pytest.approx(-245.0, abs=1.0)
+    assert bench.autopilot.state.y_m == pytest.approx(-249.5, abs=0.3)
 
 
 def test_list_that_leads_elsewhere_is_made_current():
@@ -346,7 +346,7 @@ def test_list_that_leads_elsewhere_is_made_current():
     bench.run(2.0)
     turn = np.array([[250.0, -350.0], [250.0, -1000.0]])
     bench.exchange(bench.session.set_list(turn, 2.0, DATUM, bench.now))
-    assert bench.autopilot.current == 1 + BANK_ITEMS
+    assert bench.autopilot.current == 1 + 2 * BANK_ITEMS - RUN_IN_ITEMS
     assert command_numbers(bench)[-1] == mavlink.MAV_CMD_DO_SET_MISSION_CURRENT
 
 

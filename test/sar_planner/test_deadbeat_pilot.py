@@ -65,7 +65,7 @@ def test_off_the_slot_it_is_led_back(where):
     assert plan.mode is Mode.REJOIN
     assert listed.mode == "rejoin"
     assert listed.points[-2][1] == pytest.approx(-250.0)
-    assert listed.points[-1][1] == pytest.approx(-325.0)  # the loiter: apart, radius and all
+    assert listed.points[-1][1] == pytest.approx(-315.0)  # the loiter: apart, radius and all
     assert 18.0 - 1e-9 <= plan.speed_mps <= 22.0 + 1e-9
 
 

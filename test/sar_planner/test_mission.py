@@ -89,7 +89,7 @@ def test_leg_list_is_the_slot_track_on_the_inside(side):
     waypoints = plan.update(100.0)
     assert waypoints.mode == "leg"
     # The track, then the place of the loiter beside it.
-    assert waypoints.points[:, 1] == pytest.approx([-side * 250.0] * 2 + [-side * 325.0])
+    assert waypoints.points[:, 1] == pytest.approx([-side * 250.0] * 2 + [-side * 315.0])
     assert waypoints.points[0, 0] > -800.0
     assert plan.update(100.1) is None
     assert plan.lag_m() == pytest.approx(800.0)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sar_bridge import kernels
+from sar_bridge.entry import Point, entry_of, places
 from sar_bridge.kernels import LEAST_GAP_M, LEAST_SPEED_MPS, fly_and_loiter, is_passed
 from sar_estimator.states import FloatArray, Motion
 
@@ -22,7 +23,6 @@ STEP_S = 0.5
 NEAR_M = 60.0
 ACCEL_MPS2 = 1.0
 
-Point = tuple[float, float]
 Vector = tuple[float, float]
 
 
@@ -58,11 +58,6 @@ class FollowerTuning:
         return found if sound and math.isfinite(found.loiter_radius_m) else usual
 
 
-def places(points: FloatArray) -> list[Point]:
-    """Return the rows of an array of points, shape (n, 2) [m]."""
-    return [(x, y) for x, y in points.tolist()]
-
-
 class Route:
     """A waypoint list and how far along it the UAV is.
 
@@ -74,8 +69,9 @@ class Route:
         self.speed_mps = speed_mps
         self.points = np.ascontiguousarray(points, dtype=np.float64)
         self.places = places(points)
-        self._begin = (uav.x_m, uav.y_m)
-        self._at = self._entry(uav)
+        self._begin, self._at = (uav.x_m, uav.y_m), 0
+        if len(points) > 0:
+            self._enter(uav)
         self.advance(uav)
 
     @property
@@ -88,24 +84,23 @@ class Route:
         """Where the leg being flown begins [m]."""
         return self._begin
 
-    def _entry(self, uav: Motion) -> int:
-        """Return the waypoint that comes next on the part of the list that passes the UAV."""
+    def _enter(self, uav: Motion) -> None:
+        """Go to the part of the list that passes the UAV, where it has begun to be flown."""
         begin, way = self.points[:-1], np.diff(self.points, axis=0)
         here, velocity = np.array((uav.x_m, uav.y_m)), np.array((uav.vx_mps, uav.vy_mps))
-        if len(way) == 0 or (self.points[0] - here) @ velocity > 0.0:
-            return 0
         lengths = np.maximum(np.hypot(way[:, 0], way[:, 1]), LEAST_GAP_M)
         share = np.clip(((here - begin) * way).sum(axis=1) / lengths**2, 0.0, 1.0)
         off = np.hypot(*(begin + share[:, None] * way - here).T)
         onward = way @ velocity > 0.0
         near = np.flatnonzero((off < NEAR_M) & (share > 0.0) & onward)
-        if near.size == 0:
-            return 0
+        if near.size == 0 or (self.points[0] - here) @ velocity > 0.0:
+            entry = entry_of(self.points, uav)
+            self._at, self._begin = entry.at, entry.begin
+            return
         leg = int(near[0])
         while leg + 1 < len(off) and off[leg + 1] < off[leg]:
             leg += 1
-        self._begin = (float(begin[leg, 0]), float(begin[leg, 1]))
-        return leg + 1
+        self._at, self._begin = leg + 1, (float(begin[leg, 0]), float(begin[leg, 1]))
 
     def advance(self, uav: Motion) -> None:
         """Go on to the waypoint that comes after those that the UAV has passed."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sar_estimator.compiled import compiled
 from sar_estimator.states import FloatArray
@@ -146,22 +145,14 @@ def fly_and_loiter(
     return out
 
 
-@compiled(
-    "float64[:, ::1](float64[:, ::1], boolean[::1], float64[::1], float64[::1], float64[::1],"
-    " int64)"
-)
+@compiled("float64[:, ::1](float64[:, ::1], float64[::1], float64[::1], float64[::1], int64)")
 def fly_in(
-    points: FloatArray,
-    direct: NDArray[np.bool_],
-    begin: FloatArray,
-    state: FloatArray,
-    handling: FloatArray,
-    steps: int,
+    points: FloatArray, begin: FloatArray, state: FloatArray, handling: FloatArray, steps: int
 ) -> FloatArray:
-    """Return where it comes, shape (steps, 2), that is led over to a list, and straight on behind.
+    """Return where it comes, shape (steps, 2), that flies a list, and straight on behind.
 
-    ``direct``: the legs on which it heads for the end. A leg whose finish line is behind when it
-    begins, begins where the UAV is. ``begin`` and ``state`` are used up.
+    A leg whose finish line is behind when it begins, begins where the UAV is. ``begin`` and
+    ``state`` are used up.
     """
     out = np.empty((steps, 2))
     count, at = points.shape[0], 0
@@ -177,8 +168,6 @@ def fly_in(
                 begin[:] = state[:2]
         if at >= count:
             turn(state, handling, 0.0)
-        elif direct[at]:
-            along(state, handling, state[0], state[1], points[at, 0], points[at, 1])
         else:
             along(state, handling, begin[0], begin[1], points[at, 0], points[at, 1])
         out[i] = state[:2]

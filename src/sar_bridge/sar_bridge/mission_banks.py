@@ -2,10 +2,15 @@
 
 ArduPilot writes an uploaded item at once into the mission it is flying. The mission is therefore
 kept in *banks*: one is flown, a new list is written into one that nothing leads to (a partial
-upload), and a single jump then leads over to it, behind the waypoint that is being flown to. The
-leg being flown, and the one into the new list, stay legs like any others: DO_SET_MISSION_CURRENT
-would begin them anew, and head for the end of the second instead of tracking it. It is used only
-where the new list does not go on from the waypoint being flown to.
+upload), and the UAV is then led over to it. Where the new list goes on from the waypoint being
+flown to, a single jump behind that one does it, and the leg being flown stays as it is.
+
+Elsewhere an item has to be made current. ArduPlane begins that leg at the old target, or where the
+UAV is, and on the leg behind it only heads for the end instead of tracking the line: among the
+close waypoints of a turn that swings the UAV tens of metres aside. So what is made current is a
+*run-in*: two waypoints so easily accepted that both are reached at once, wherever the UAV is, and a
+jump. The second stands where the leg of the list begins that the UAV is abeam of: that leg is
+tracked from there, like any other.
 """
 
 from __future__ import annotations
@@ -17,8 +22,9 @@ import numpy as np
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_bridge.entering import WORTH_M, Track
+from sar_bridge.entry import Entry, entry_of
 from sar_bridge.follower import FollowerTuning
-from sar_bridge.mission_items import FloatArray, MissionItem, first_ahead, waypoint_items
+from sar_bridge.mission_items import FloatArray, MissionItem, reached_at_once, waypoint_items
 from sar_estimator.geodesy import Datum
 from sar_estimator.states import Motion
 
@@ -33,6 +39,7 @@ FARTHEST_M = 120.0
 ASIDE_M = 40.0
 SHARPEST = math.cos(math.radians(75.0))
 FOREVER = -1.0
+RUN_IN_ITEMS = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,10 +51,8 @@ class Write:
 
 
 @dataclass(frozen=True, slots=True)
-class MakeCurrent:
-    """The item to make current: the leg being flown is given up."""
-
-    seq: int
+class RunIn(Write):
+    """A run-in to put at ``start``, then to be made current: the leg being flown is given up."""
 
 
 def jump_to(seq: int) -> MissionItem:
@@ -71,24 +76,6 @@ class _Lead:
     begin: tuple[float, float]
 
 
-@dataclass(frozen=True, slots=True)
-class _Made:
-    """The item made current last, and whether the leg to it is tracked."""
-
-    seq: int
-    tracked: bool
-
-    def next_tracked(self, current: int) -> bool:
-        """Whether the leg that is begun next is tracked, item ``current`` being flown to."""
-        return current != self.seq
-
-    def direct(self, current: int) -> frozenset[int]:
-        """Return which legs are not tracked, of that to ``current`` and those behind it."""
-        now = current == self.seq + 1 or (current == self.seq and not self.tracked)
-        behind = current == self.seq
-        return frozenset([*([0] if now else []), *([1] if behind else [])])
-
-
 NOWHERE: tuple[int, FloatArray] = (0, np.zeros(2))
 
 
@@ -99,12 +86,12 @@ class MissionBanks:
         """Nothing is held yet."""
         self._altitude_m = altitude_m
         self._points: list[FloatArray] = [np.empty((0, 2))] * BANKS
+        self._altitudes_m = [altitude_m] * BANKS
         self._size = BANK_ITEMS
         self._led_to: int | None = None
         self._filled = 0
         self._jump_at: int | None = None
         self._entered = NOWHERE
-        self._made = _Made(0, tracked=True)
 
     def _begin(self, bank: int) -> int:
         return 1 + bank * self._size
@@ -115,18 +102,19 @@ class MissionBanks:
 
     def takes(self, points: FloatArray) -> bool:
         """Whether a list goes into a bank of what is held; else it takes a whole mission."""
-        return self._led_to is not None and len(points) < self._size
+        return self._led_to is not None and _needed(points) <= self._size
 
     def whole(self, points: FloatArray, datum: Datum, *, climb_m: float = 0.0) -> list[MissionItem]:
         """Return a whole mission with a list, shape (n, 2) [m], in its first bank.
 
         The banks are as large as it needs; one longer than any bank is a mission of its own.
         """
-        items = waypoint_items(points, datum, self._altitude_m + climb_m)
+        altitude = self._altitude_m + climb_m
+        items = waypoint_items(points, datum, altitude)
         self._points = [np.empty((0, 2))] * BANKS
-        self._points[0] = points
+        self._points[0], self._altitudes_m[0] = points, altitude
         self._filled, self._jump_at, self._entered = 0, None, NOWHERE
-        steps = -(-(len(points) + 1) // BANK_STEP_ITEMS)
+        steps = -(-_needed(points) // BANK_STEP_ITEMS)
         self._size = max(BANK_ITEMS, steps * BANK_STEP_ITEMS)
         self._led_to = 0 if self._size <= MOST_BANK_ITEMS else None
         if self._led_to is None:
@@ -144,10 +132,11 @@ class MissionBanks:
         """Return what writes a list into a bank that neither is flown nor led to."""
         taken = {self.bank_of(current), self._led_to}
         self._filled = next(bank for bank in range(BANKS) if bank not in taken)
-        self._points[self._filled] = points
+        altitude = self._altitude_m + climb_m
+        self._points[self._filled], self._altitudes_m[self._filled] = points, altitude
         if self.bank_of(self._entered[0]) == self._filled:
             self._entered = NOWHERE
-        items = waypoint_items(points, datum, self._altitude_m + climb_m)
+        items = waypoint_items(points, datum, altitude)
         return Write(self._begin(self._filled), tuple(items[1:]))
 
     def _point(self, seq: int) -> FloatArray | None:
@@ -164,35 +153,39 @@ class MissionBanks:
         self,
         current: int,
         uav: Motion,
+        datum: Datum,
         *,
         within_s: float,
         tuning: FollowerTuning,
-    ) -> Write | MakeCurrent:
+    ) -> Write:
         """Return what leads over to the list written last, the UAV flying to item ``current``.
 
-        ``within_s``: how long it may take until a jump is in its place. ``tuning``: the autopilot's
+        ``within_s``: how long it may take until that is in its place. ``tuning``: the autopilot's
         lateral guidance.
         """
-        points = self._points[self._filled]
-        begin = self._begin(self._filled)
-        at = first_ahead(points, uav)
-        wanted, flown_to = Track(points[at:], uav, tuning), self._point(current)
-        made = self._made
-        entered, apart_m = wanted.entry(
-            None if flown_to is None else _place(flown_to), tracked=made.next_tracked(current)
-        )
-        at += entered
+        points, begin = self._points[self._filled], self._begin(self._filled)
+        entry = entry_of(points, uav.after(within_s))
         lead = self._lead(current, uav, within_s)
         if lead is not None:
+            track = Track(points[entry.at :], entry.begin, uav, tuning)
             legs = np.vstack((*lead.through, points[lead.joined :]))
-            if wanted.apart_m(legs, lead.begin, made.direct(current)) > apart_m + WORTH_M:
+            if track.apart_m(legs, lead.begin) > WORTH_M:
                 lead = None
         if lead is None:
-            self._led_to, self._jump_at, self._entered = self._filled, None, NOWHERE
-            return self._make_current(begin + at, current)
+            return self._run_in(self._filled, entry, uav, datum)
         self._led_to, self._jump_at = self._filled, lead.kept + 1
         self._entered = (begin + lead.joined, lead.through[-1])
         return Write(lead.kept + 1, (jump_to(begin + lead.joined),))
+
+    def _run_in(self, bank: int, entry: Entry, uav: Motion, datum: Datum) -> RunIn:
+        """Return what leads over to a list, given up the leg being flown."""
+        self._led_to, self._jump_at = bank, None
+        seq = self._begin(bank) + entry.at
+        self._entered = (seq, np.array(entry.begin))
+        start = self._begin(bank + 1) - RUN_IN_ITEMS
+        places = np.array(((uav.x_m, uav.y_m), entry.begin))
+        altitude = self._altitudes_m[bank]
+        return RunIn(start, (*reached_at_once(places, datum, altitude), jump_to(seq)))
 
     def _lead(self, current: int, uav: Motion, within_s: float) -> _Lead | None:
         """Return how a jump leads over to the list written last; None where it cannot."""
@@ -231,23 +224,20 @@ class MissionBanks:
         beside: FloatArray = float((here - end) @ across) * across
         return beside
 
-    def missed(self, current: int, uav: Motion) -> MakeCurrent | None:
-        """Return what to make current where the UAV was past the jump before it was there."""
+    def missed(self, current: int, uav: Motion, datum: Datum, *, within_s: float) -> RunIn | None:
+        """Return what leads over after all where the UAV was past the jump before it was there."""
         at = self._jump_at
         if at is None or self._led_to is None or not at <= current:
             return None
         if self.bank_of(current) != self.bank_of(at):
             return None
-        self._jump_at = None
-        led_to = self._led_to
-        return self._make_current(
-            self._begin(led_to) + first_ahead(self._points[led_to], uav), current
-        )
+        entry = entry_of(self._points[self._led_to], uav.after(within_s))
+        return self._run_in(self._led_to, entry, uav, datum)
 
-    def _make_current(self, seq: int, current: int) -> MakeCurrent:
-        """Return the item to make current, and remember how ArduPlane flies to it."""
-        self._made = _Made(seq, self._made.next_tracked(current))
-        return MakeCurrent(seq)
+
+def _needed(points: FloatArray) -> int:
+    """Return how many items a list takes in its bank, with its loiter and a run-in."""
+    return len(points) + 1 + RUN_IN_ITEMS
 
 
 def _place(point: FloatArray) -> tuple[float, float]:

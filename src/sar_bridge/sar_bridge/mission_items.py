@@ -16,6 +16,7 @@ from sar_estimator.states import Motion
 FloatArray = NDArray[np.float64]
 TURN_OFF_M = 40.0
 TIGHTEST_M = 50.0
+WHEREVER_M = 255.0  # NAV_WAYPOINT's widest acceptance radius: ArduPilot keeps it in a byte
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +74,21 @@ def waypoint_items(points: FloatArray, datum: Datum, altitude_m: float) -> list[
         frame=mavlink.MAV_FRAME_GLOBAL_INT,
     )
     return [home, *items, loiter]
+
+
+def reached_at_once(points: FloatArray, datum: Datum, altitude_m: float) -> list[MissionItem]:
+    """Return waypoints, shape (n, 2) [m], that a UAV anywhere near has reached already."""
+    places = np.rint(datum.all_to_geodetic(points) * 1e7).astype(int).tolist()
+    return [
+        MissionItem(
+            mavlink.MAV_CMD_NAV_WAYPOINT,
+            latitude,
+            longitude,
+            altitude_m,
+            params=(0.0, WHEREVER_M, 0.0, 0.0),
+        )
+        for latitude, longitude in places
+    ]
 
 
 def _turn_radius_m(uav: Motion, point: FloatArray) -> float:

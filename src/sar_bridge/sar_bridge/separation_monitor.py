@@ -326,8 +326,12 @@ class SeparationMonitor:
     def _led_mps(self, route: Route) -> float:
         """Return the speed it is led with; one far from the helicopter's is not believed."""
         cruise, planned = self.helicopter.cruise_mps, route.speed_mps
-        believed = planned is not None and abs(planned - cruise) <= PLANNED_SHARE * cruise
-        return planned if planned is not None and believed else cruise
+        if planned is None or abs(planned - cruise) > PLANNED_SHARE * cruise:
+            return cruise
+        if route is not self._flown:
+            return planned
+        seen = cruise + self._off_mps
+        return min(max(seen, (1.0 - PLANNED_SHARE) * cruise), (1.0 + PLANNED_SHARE) * cruise)
 
     def _apart(self, path: FloatArray, futures: list[Future]) -> list[Apart]:
         return apart(path, futures, self.parameters.follow_sigma_m)

@@ -14,7 +14,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from sar_bridge.autopilot_state import AutopilotState
 from sar_bridge.commands import Command, CommandQueue, ground_heartbeat
 from sar_bridge.follower import FollowerTuning
-from sar_bridge.mission_banks import MakeCurrent, MissionBanks, Write
+from sar_bridge.mission_banks import MissionBanks, RunIn, Write
 from sar_bridge.mission_items import FloatArray, first_ahead, waypoint_items
 from sar_bridge.mission_upload import Address, MissionUpload, UploadState
 from sar_bridge.parameter_reader import ParameterReader
@@ -28,8 +28,8 @@ STREAM_RETRY_S = 2.0
 SPEED_STEP_MPS = 0.2
 SPEED_PERIOD_S = 1.0
 STREAMS = {
-    mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: 10.0,
-    mavlink.MAVLINK_MSG_ID_ATTITUDE: 10.0,
+    mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: 5.0,
+    mavlink.MAVLINK_MSG_ID_ATTITUDE: 5.0,
     mavlink.MAVLINK_MSG_ID_MISSION_CURRENT: 5.0,
     mavlink.MAVLINK_MSG_ID_VFR_HUD: 2.0,
     mavlink.MAVLINK_MSG_ID_WIND: 1.0,
@@ -71,7 +71,7 @@ class AutopilotSession:
         self._upload: MissionUpload | None = None
         self._reader: ParameterReader | None = None
         self._banks = MissionBanks(altitude_m=altitude_m)
-        self._joining = False
+        self._joining: Write | None = None
         self._begun_s = 0.0
         self._later = False
         self._reboots = 0
@@ -154,7 +154,8 @@ class AutopilotSession:
     def _let_go(self) -> None:
         """Forget the list, and whatever is under way for it."""
         self._points = None
-        self._engaging = self._later = self._joining = False
+        self._engaging = self._later = False
+        self._joining = None
         self._banks.forget()
         self._speed_wanted_mps = self._speed_sent_mps = 0.0
         if self._upload is not None:
@@ -280,7 +281,7 @@ class AutopilotSession:
             return []
         if self._upload.state is UploadState.FAILED:
             self._banks.forget()
-        self._later = self._joining = False
+        self._later, self._joining = False, None
         self._begun_s, self._sent = now_s, self._points
         if not self.state.ardupilot:
             altitude = self.altitude_m + self._climb_m
@@ -295,32 +296,33 @@ class AutopilotSession:
 
     def _write(self, write: Write, now_s: float) -> Messages:
         assert self._upload is not None
-        token = self._upload.token if self._joining else self._stamp_s
+        token = self._stamp_s if self._joining is None else self._upload.token
         return self._upload.start(list(write.items), token, now_s, at=write.start)
 
     def _accepted(self, now_s: float) -> Messages:
         """Go on after an upload: lead over to the list, or make it current and begin to fly it."""
         assert self._upload is not None
-        if self._points is None:
+        if self._points is None or self._datum is None:
             return []
-        if self._upload.partial and self._later and not self._joining:
-            return self._start_upload(now_s)
         telemetry = self.state.telemetry
         motion = None if telemetry is None else telemetry.motion
-        out: Messages = []
-        if self._upload.partial and not self._joining and motion is not None:
+        if self._upload.partial and self._joining is None and motion is not None:
             tuning = FollowerTuning.read(self.parameters)
             current = self.state.current_item
-            step = self._banks.join(current, motion, within_s=JOIN_S, tuning=tuning)
-            if isinstance(step, Write):
-                self._joining = True
-                return self._write(step, now_s)
-            out += self._make_current(step.seq, now_s)
+            self._joining = self._banks.join(
+                current, motion, self._datum, within_s=JOIN_S, tuning=tuning
+            )
+            return self._write(self._joining, now_s)
+        out: Messages = []
+        if isinstance(self._joining, RunIn):
+            out += self._make_current(self._joining.start, now_s)
         elif not self._upload.partial:
             ahead = first_ahead(self._sent, motion)
             out += self._make_current(ahead + (1 if self.state.ardupilot else 0), now_s)
-        self._joining = False
-        self.uploaded = Uploaded(self._upload.token, len(self._sent), now_s - self._begun_s)
+        self._joining = None
+        token = self._upload.token
+        if self.uploaded is None or self.uploaded.stamp_s != token:
+            self.uploaded = Uploaded(token, len(self._sent), now_s - self._begun_s)
         if self._engaging and self.state.mode == "GUIDED":
             out += self._mode_command("AUTO", now_s)
         self._engaging = False
@@ -332,12 +334,19 @@ class AutopilotSession:
         return self._commands.send(Command(number, (float(seq),)), now_s)
 
     def _watch_jump(self, now_s: float) -> Messages:
-        """Make the new list current where the UAV was past the jump before it was in its place."""
+        """Lead over to the new list after all where the UAV was past the jump before it was there.
+
+        Not while something is written: what is, leads over to a list itself.
+        """
         telemetry = self.state.telemetry
-        if self._joining or self._points is None or telemetry is None:
+        if self._points is None or telemetry is None or self._datum is None:
             return []
-        step: MakeCurrent | None = self._banks.missed(self.state.current_item, telemetry.motion)
-        return [] if step is None else self._make_current(step.seq, now_s)
+        assert self._upload is not None
+        if self._upload.active:
+            return []
+        current, motion = self.state.current_item, telemetry.motion
+        self._joining = self._banks.missed(current, motion, self._datum, within_s=JOIN_S)
+        return [] if self._joining is None else self._write(self._joining, now_s)
 
     def _watch_reboots(self) -> None:
         """Count on nothing that the autopilot held before it was restarted."""

@@ -42,7 +42,7 @@ class EstimatorNode(Node):
         longitude = parameter(self, "datum_longitude_deg", math.nan)
         altitude = parameter(self, "datum_altitude_m", 0.0)
         self._velocity_sigma = parameter(self, "velocity_sigma_mps", 0.1)
-        rate = parameter(self, "prediction_rate_hz", 10.0)
+        rate = parameter(self, "prediction_rate_hz", 5.0)
         if not 0.0 < rate <= 100.0:
             raise ValueError(f"parameter prediction_rate_hz = {rate}: expected 0 to 100")
         given = not (math.isnan(latitude) and math.isnan(longitude))

@@ -57,6 +57,14 @@ class Motion(NamedTuple):
             time_s, self.x_m, self.y_m, self.vx_mps, self.vy_mps, self.ax_mps2, self.ay_mps2
         )
 
+    def after(self, time_s: float) -> Motion:
+        """Return the motion so much later [s], at the same velocity."""
+        return self._replace(
+            time_s=self.time_s + time_s,
+            x_m=self.x_m + time_s * self.vx_mps,
+            y_m=self.y_m + time_s * self.vy_mps,
+        )
+
     def is_finite(self) -> bool:
         """Whether no component is NaN or infinite."""
         return math.isfinite(self.time_s + self.x_m + self.y_m + self.vx_mps + self.vy_mps)

@@ -69,14 +69,16 @@ class Approach:
         at = self.path.nearest_m(uav.x_m, uav.y_m, max(0.0, low), high)
         return replace(self, flown_m=max(0.0, at))
 
-    def timed(self, rest: FlightPath, forecast: Forecast, now_s: float, trim: float) -> Approach:
+    def timed(
+        self, rest: FlightPath, forecast: Forecast, now_s: float, trim: float, share: float = 1.0
+    ) -> Approach:
         """Return the approach at the speed with which the UAV arrives together with its slot.
 
         ``rest``: what is left of the path; ``trim``: how far from V the speed may be, as a share.
         """
         v = forecast.speed_mps
         left_s = forecast.zero_s - now_s + (rest.end.x_m - forecast.leg.x_m) / v
-        wanted = rest.length_m / left_s if left_s > 1.0 else math.inf
+        wanted = rest.length_m / (left_s * share) if left_s > 1.0 else math.inf
         speed = min(max(wanted, v * (1.0 - trim)), v * (1.0 + trim))
         begun = now_s - (self.path.length_m - rest.length_m) / speed
         return replace(self, speed_mps=speed, begun_s=begun)

@@ -56,7 +56,7 @@ LATE_FACTOR = 2.5
 POOR_SHARE = 0.85
 DETECTION_S = 4.0
 RETRY_S = 2.0
-WATCH_S = 0.39  # four decisions at 10 Hz, whatever their times round to
+WATCH_S = 0.39  # two decisions at 5 Hz, whatever their times round to
 
 
 class DeadbeatPilot(Pilot):
@@ -261,8 +261,7 @@ class DeadbeatPilot(Pilot):
             now_s,
         )
         self._commit_when_due(now_s)
-        from_m = flown + self._mission.reaction_s * uav.speed_mps
-        return str(plan.rule), self._list_of(path, from_m=from_m)
+        return str(plan.rule), self._list_of(path, from_m=flown)
 
     def _rule_plan(
         self, estimate: CornerEstimate, frame: CornerFrame, now_s: float
@@ -410,10 +409,9 @@ class DeadbeatPilot(Pilot):
         there = approach.path.pose_at(flown)
         off_m = math.hypot(here.x_m - there.x_m, here.y_m - there.y_m)
         expected = tuple(forecast.in_frame(approach.frame) for forecast in forecasts)
-        if self.active is None:
-            trim = self._mission.speed_trim
-            approach = self.approach = approach.timed(rest, expected[0], now_s, trim)
-            self.speed_mps = approach.speed_mps
+        trim = self._mission.speed_trim
+        approach = self.approach = approach.timed(rest, expected[0], now_s, trim, self._share)
+        self.speed_mps = approach.speed_mps
         speed = approach.speed_mps * self._share
         lag = final_lag_m(rest, expected[0], start_s=now_s, speed_mps=speed)
         tolerance = self._mission.lag_tolerance_m if self.active is not None else TIMING_M

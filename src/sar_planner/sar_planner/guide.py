@@ -25,6 +25,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from sar_estimator.plane import Pose
 from sar_planner.air import AirEnvelope
 from sar_planner.geometry import Arc, FlightPath, FloatArray
 from sar_planner.waypoints import EDGE_M
@@ -82,6 +83,10 @@ class Guide:
         """Return the offset to the left [m] at a distance along the path."""
         return float(np.interp(station_m, self.stations_m, self.offsets_m))
 
+    def place_at(self, station_m: float) -> Pose:
+        """Return where the guide is abeam of a distance along the path [m], and the course."""
+        return self.path.pose_at(station_m).offset(0.0, self.offset_at(station_m))
+
     def waypoints(self, spacing_m: float, *, from_m: float = 0.0) -> FloatArray:
         """Return waypoints, shape (n, 2) [m], no further apart than ``spacing_m`` where it bends.
 
@@ -113,7 +118,7 @@ class Guide:
         A leg ends when the line across it through its target is passed. Where the guide bends to
         the outside of the next leg, that one's line may lie behind by then: its target is left out.
         """
-        begin = self.path.pose_at(from_m).offset(0.0, self.offset_at(from_m))
+        begin = self.place_at(from_m)
         last_x, last_y = begin.x_m, begin.y_m
         stations = np.arange(from_m, self.path.length_m + STEP_M, STEP_M)
         way = self.path.points(stations).tolist()

@@ -56,19 +56,23 @@ class WaypointLists:
     def along(self, path: FlightPath, speed_mps: float, *, from_m: float = 0.0) -> FloatArray:
         """Return the waypoints of a path in the map, and of the track beyond.
 
-        ``from_m``: distance along it [m] at which they begin. ``speed_mps``: over ground.
+        ``from_m``: distance along it [m] where the UAV is. ``speed_mps``: over ground. The first
+        one is where the leg begins on which the UAV is then: the bridge leads it onto that leg.
         """
+        from_m = min(from_m, path.length_m)
         beyond = path.end.offset(self._p.horizon_m)
         far = (beyond.x_m, beyond.y_m), self.loiter(path.end, self._p.horizon_m + LOITER_AHEAD_M)
         if self.tuning is None:
+            begin = path.pose_at(from_m)
             points = path_waypoints(path, self._p.arc_spacing_m, from_m=from_m)
-            return thinned(np.vstack((points, *far)), LEAST_GAP_M)
+            return thinned(np.vstack(((begin.x_m, begin.y_m), points, *far)), LEAST_GAP_M)
         settling = Straight(SETTLING_L1 * self.tuning.l1_m(speed_mps))
         whole = path.then(FlightPath.of(path.end, (settling,)))
         offset = self._offset_at(path.start)
         self._guide = make_guide(whole, self.tuning, speed_mps, air=self.air, offset_m=offset)
+        begin = self._guide.place_at(from_m)
         points = self._guide.waypoints(self._p.guide_spacing_m, from_m=from_m)
-        return thinned(np.vstack((points, *far)), GUIDE_GAP_M)
+        return thinned(np.vstack(((begin.x_m, begin.y_m), points, *far)), GUIDE_GAP_M)
 
     def _offset_at(self, pose: Pose) -> float:
         """Return how far to the left of a new path's start the guide is that is flown now.

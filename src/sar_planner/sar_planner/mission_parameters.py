@@ -54,14 +54,14 @@ class MissionParameters:
     speed_range: tuple[float, float] = (0.75, 1.25)
     accel_range: tuple[float, float] = (0.6, 2.0)
     speed_trim: float = 0.1
-    corner_hurry: float = 0.05
+    corner_hurry: float = 0.1
     trim_gain: float = 0.1
     lag_tolerance_m: float = 8.0
     far_tolerance: float = 0.03
     correction_s: float = 2.0
     settling_s: float = 4.0
     ahead_m: float = 60.0
-    separation_margin_m: float = 25.0
+    separation_margin_m: float = 15.0
     bias_gain: float = 0.5
 
     def __post_init__(self) -> None:

@@ -47,7 +47,7 @@ class PlannerNode(Node):
         super().__init__("planner")
         corner = parameters(self, CornerParameters)
         mission = parameters(self, MissionParameters)
-        rate = parameter(self, "decision_rate_hz", 10.0)
+        rate = parameter(self, "decision_rate_hz", 5.0)
         if not 0.0 < rate <= 100.0:
             raise ValueError(f"parameter decision_rate_hz = {rate}: expected 0 to 100")
         self._planner = MissionPlanner(corner, mission)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 LEAST_SHARE, MOST_SHARE = 0.5, 1.05
 PRIOR_S = 8.0
-LEAST_STEP_S = 0.2
+LEAST_STEP_S = 0.19
 
 
 def trimmed_mps(lag_m: float, speed_mps: float, *, gain: float, trim: float) -> float:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from sar_estimator.plane import wrap_angle
 from sar_estimator.states import Motion
 
-STEP_S = 0.2
+STEP_S = 0.19
 GAP_S = 2.0
 HELD_RAD = math.radians(30.0)
 SURE_RAD = math.radians(100.0)

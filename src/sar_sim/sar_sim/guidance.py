@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
+from sar_bridge.mission_items import WHEREVER_M
 from sar_estimator.plane import wrap_angle
 from sar_estimator.states import Motion
 from sar_sim.uav import G_MPS2
@@ -108,8 +109,8 @@ class PathFollower:
         self._side = 0.0
 
     def leaves(self, leg: Leg, motion: Motion) -> bool:
-        """Whether the target is behind."""
-        return leg.passed_by(motion)
+        """Whether the target is behind, or one that is reached from anywhere."""
+        return leg.passed_by(motion) or leg.accept_m >= WHEREVER_M
 
     def along(self, leg: Leg, motion: Motion, airspeed_mps: float) -> float:
         """Return the turn rate of the arc through the point ahead."""

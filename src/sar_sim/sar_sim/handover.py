@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from sar_bridge.follower import FollowerTuning
 from sar_bridge.helicopter_futures import Habits
-from sar_bridge.mission_banks import MissionBanks, Write
+from sar_bridge.mission_banks import MissionBanks, RunIn, Write
 from sar_bridge.mission_items import first_ahead
 from sar_bridge.separation_monitor import MonitorParameters, SeparationMonitor
 from sar_estimator.geodesy import Datum
@@ -41,11 +41,10 @@ def load_list(
     _put(autopilot, banks.fill(points, datum, autopilot.current, climb_m=climb_m))
     told = parameter_values(autopilot.uav)
     tuning = FollowerTuning.read(told)
-    step = banks.join(autopilot.current, autopilot.motion, within_s=0.0, tuning=tuning)
-    if isinstance(step, Write):
-        _put(autopilot, step)
-    else:
-        autopilot.set_current(step.seq)
+    step = banks.join(autopilot.current, autopilot.motion, datum, within_s=0.0, tuning=tuning)
+    _put(autopilot, step)
+    if isinstance(step, RunIn):
+        autopilot.set_current(step.start)
 
 
 def _put(autopilot: SimAutopilot, write: Write) -> None:

@@ -18,7 +18,7 @@ from sar_sim.scenario import Scenario
 from sar_sim.world import World
 
 COVERED_FROM_CORNER = 3
-TRACK_STEPS = 10
+TRACK_STEPS = 5
 SAME_CORNER_S = 15.0
 
 

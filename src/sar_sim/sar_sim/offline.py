@@ -61,9 +61,9 @@ from sar_sim.truth import TrueEstimates
 from sar_sim.world import World
 
 STEPS_PER_TICK = 2
-STEPS_PER_GUARD = 10
-STEPS_PER_STATUS = 20
-JOINING_ITEMS = 2
+STEPS_PER_GUARD = 5
+STEPS_PER_STATUS = 10
+JOINING_ITEMS = 4
 LATCHED = {
     topics.DATUM,
     topics.UAV_STATE,
@@ -352,8 +352,7 @@ class OfflineFlight:
         """Hand lists to the autopilot as the bridge does: one after the other, the newest next."""
         if self._under_way is not None and self.world.time_s >= self._arrives_s:
             waypoints, self._under_way = self._under_way, None
-            if self._newest is None:
-                self._load(waypoints)
+            self._load(waypoints)
         if self._under_way is None and self._newest is not None:
             self._under_way, self._newest = self._newest, None
             items = len(self._under_way.points) + JOINING_ITEMS

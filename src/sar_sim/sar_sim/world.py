@@ -21,7 +21,7 @@ from sar_sim.helicopter import CornerTruth, PatternHelicopter
 from sar_sim.scenario import Scenario
 from sar_sim.wind import Gusts
 
-STEP_S = 0.05
+STEP_S = 0.1
 
 
 class World:
