@@ -109,7 +109,7 @@ def test_arduplanes_guidance_is_led_around_corners_by_lists_in_banks(launch, tmp
 def test_control_c_in_flight_closes_the_bag_and_reports(launch):
     # At a speed at which a busy machine's clock does not jump by a second.
     flight = launch("--scenario", "short", "--speed", "3")
-    await_true(lambda: bag_size(flight) > 500_000)
+    await_true(lambda: bag_size(flight) > 700_000)
     flight.process.send_signal(signal.SIGINT)
     code, output, _ = flight.wait()
     assert code == 0
@@ -143,7 +143,7 @@ def test_simulation_that_dies_stops_the_run_with_its_name(launch):
 def test_nodes_that_are_killed_are_started_again_and_take_up_their_work(launch):
     speed = 3.0
     flight = launch("--scenario", "short", "--speed", str(speed))
-    await_true(lambda: bag_size(flight) > 500_000)
+    await_true(lambda: bag_size(flight) > 700_000)
     victims = ("planner", "monitor", "bridge", "estimator")
     for name in victims:
         old = flight.nodes()[name]

@@ -14,6 +14,7 @@ from sar_estimator.states import CornerEstimate, LegEstimate, Motion, MotionEsti
 
 values = st.floats(-1e5, 1e5)
 speeds = st.floats(-80.0, 80.0)
+sigmas = st.floats(1e-6, 1e3)
 
 
 @given(st.floats(0.0, 2e9), values, values, speeds, speeds, st.floats(-3.1, 3.1))
@@ -31,6 +32,12 @@ def test_a_motion_as_told_is_what_a_message_carries_to_the_last_bit(time_s, x, y
     message = m.motion_to_odometry(motion, child="uav", yaw_rad=yaw)
     assert m.motion_as_told(motion, yaw) == m.odometry_to_motion(message)
     assert m.stamped_s(time_s) == m.from_stamp(m.to_stamp(time_s))
+
+
+@given(st.floats(0.0, 2e9), values, values, st.floats(-7.0, 7.0), st.floats(0.0, 90.0), sigmas)
+def test_a_leg_as_told_is_what_a_message_carries_to_the_last_bit(time_s, x, y, yaw, speed, sigma):
+    leg = LegEstimate(time_s, Pose(x, y, yaw), speed, sigma, 0.1 * sigma, 0.3 * sigma)
+    assert m.leg_as_told(leg) == m.odometry_to_leg(m.leg_to_odometry(leg))
 
 
 def test_velocity_covariance_is_turned_into_the_body():

@@ -46,7 +46,7 @@ def test_reference_flights_are_decided_as_they_were(name, capsys):
     assert compared[topics.WAYPOINTS] > 10
     assert compared[topics.CLEARED] > 10
     assert compared[topics.CORNER] > 5
-    assert compared[topics.HELICOPTER_ODOMETRY] > 1000
+    assert compared[topics.HELICOPTER_ODOMETRY] > 500
 
 
 @pytest.mark.parametrize("kernel", [None, "Nehalem"])

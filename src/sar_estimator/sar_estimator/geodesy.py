@@ -54,11 +54,11 @@ class Datum:
         return float(latitude), float(longitude), float(altitude)
 
     def all_to_geodetic(self, points: FloatArray) -> FloatArray:
-        """Return latitudes and longitudes [deg], shape (n, 2), of map positions of that shape."""
-        latitudes, longitudes, _ = pymap3d.enu2geodetic(
+        """Return latitudes, longitudes [deg], altitudes [m], shape (n, 3), of places (n, 2) [m]."""
+        found = pymap3d.enu2geodetic(
             points[:, 0], points[:, 1], 0.0, self.latitude_deg, self.longitude_deg, self.altitude_m
         )
-        return np.column_stack((latitudes, longitudes))
+        return np.column_stack(found)
 
 
 def valid_position(latitude_deg: float, longitude_deg: float) -> bool:

@@ -77,7 +77,7 @@ class SimAutopilot:
         self.current = 0
         self.reached: list[int] = []
         far = start.offset(FAR_M)
-        self._points: list[Point] = []
+        self._points: list[Point | None] = []
         self.home = (start.x_m, start.y_m)
         self._leg = Leg(self.home, (far.x_m, far.y_m))
         self._track_next = False
@@ -122,7 +122,7 @@ class SimAutopilot:
     def load(self, items: list[MissionItem]) -> None:
         """Take a new mission; in AUTO the leg being flown keeps its old target."""
         self.items = list(items)
-        self._points = [self._point(item) for item in items]
+        self._points = [None] * len(items)
 
     def truncate(self, count: int) -> None:
         """Drop the items from ``count`` on."""
@@ -132,7 +132,7 @@ class SimAutopilot:
     def replace_item(self, seq: int, item: MissionItem) -> None:
         """Put an item in the place of another, or behind the last."""
         self.items[seq : seq + 1] = [item]
-        self._points[seq : seq + 1] = [self._point(item)]
+        self._points[seq : seq + 1] = [None]
 
     def set_current(self, seq: int) -> bool:
         """Fly to item ``seq`` next; return whether there is such an item."""
@@ -146,9 +146,14 @@ class SimAutopilot:
             self._track_next = False
         return True
 
-    def _point(self, item: MissionItem) -> Point:
-        x, y, _ = self._datum.to_local(item.latitude_e7 / 1e7, item.longitude_e7 / 1e7)
-        return x, y
+    def _point(self, seq: int) -> Point:
+        """Return where an item is [m]: worked out when it is first flown to, as most never are."""
+        found = self._points[seq]
+        if found is None:
+            item = self.items[seq]
+            x, y, _ = self._datum.to_local(item.latitude_e7 / 1e7, item.longitude_e7 / 1e7)
+            found = self._points[seq] = x, y
+        return found
 
     @property
     def _here(self) -> Point:
@@ -171,7 +176,7 @@ class SimAutopilot:
             self.set_mode(FlightMode.RTL)
             return
         self.current = found
-        item, target = self.items[found], self._points[found]
+        item, target = self.items[found], self._point(found)
         if item.command == mavlink.MAV_CMD_NAV_LOITER_UNLIM:
             self._circle = Circle(target, item.params[2] or self._uav.loiter_radius_m)
             return
@@ -194,7 +199,7 @@ class SimAutopilot:
         points: list[Point] = []
         found = self._flown_index(seq + 1)
         while found is not None and len(points) < self._guidance.looks_ahead:
-            points.append(self._points[found])
+            points.append(self._point(found))
             found = self._flown_index(found + 1)
         return points
 

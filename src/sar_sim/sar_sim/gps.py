@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -9,8 +10,11 @@ import numpy as np
 
 from sar_estimator.fixes import Fix
 from sar_estimator.geodesy import Datum
+from sar_estimator.states import Motion
 from sar_sim.helicopter import PatternHelicopter
 from sar_sim.scenario import Gps
+
+BLOCK = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,31 +57,50 @@ class SimulatedGps:
         """Draw all noise from the receiver's own seed."""
         self._helicopter, self._gps, self._datum = helicopter, gps, datum
         self._rng = np.random.default_rng(gps.seed)
+        self._covariance = np.eye(2) * max(gps.sigma_m, 0.1) ** 2
         self._epoch = 1
+        self._block = self._draw()
 
     def due(self, time_s: float) -> list[Reception]:
         """Return the receptions not yet given, up to ``time_s`` [s]."""
         given = []
         while self._epoch / self._gps.rate_hz <= time_s + 1e-9:
-            at = self._epoch / self._gps.rate_hz
+            reception = self._block.popleft()
             self._epoch += 1
-            noise = self._rng.standard_normal(4)
-            if self._rng.random() >= self._gps.dropout:
-                given.append(self._receive(at, noise))
+            if reception is not None:
+                given.append(reception)
+            if not self._block:
+                self._block = self._draw()
         return given
 
-    def _receive(self, at: float, noise: np.ndarray) -> Reception:
-        gps, truth = self._gps, self._helicopter.motion(at)
-        latitude, longitude, altitude = self._datum.to_geodetic(
-            truth.x_m + gps.sigma_m * noise[0], truth.y_m + gps.sigma_m * noise[1]
+    def _draw(self) -> deque[Reception | None]:
+        """Return the next epochs' receptions, None where one is lost."""
+        gps = self._gps
+        times = [epoch / gps.rate_hz for epoch in range(self._epoch, self._epoch + BLOCK)]
+        noise, lost = np.empty((BLOCK, 4)), np.empty(BLOCK, dtype=bool)
+        for i in range(BLOCK):
+            noise[i] = self._rng.standard_normal(4)
+            lost[i] = self._rng.random() < gps.dropout
+        truth = [self._helicopter.motion(at) for at in times]
+        points = np.array([(motion.x_m, motion.y_m) for motion in truth])
+        places = self._datum.all_to_geodetic(points + gps.sigma_m * noise[:, :2]).tolist()
+        return deque(
+            None if gone else self._reception(at, place, motion, off)
+            for at, place, motion, off, gone in zip(
+                times, places, truth, noise[:, 2:].tolist(), lost.tolist(), strict=True
+            )
         )
-        covariance = np.eye(2) * max(gps.sigma_m, 0.1) ** 2
-        fix = Fix(at, latitude, longitude, altitude, covariance)
-        if gps.doppler_sigma_mps == 0.0:
+
+    def _reception(
+        self, at: float, place: list[float], truth: Motion, off: list[float]
+    ) -> Reception:
+        latitude, longitude, altitude = place
+        fix = Fix(at, latitude, longitude, altitude, self._covariance)
+        sigma = self._gps.doppler_sigma_mps
+        if sigma == 0.0:
             return Reception(fix)
-        sigma = gps.doppler_sigma_mps
         return Reception(
-            fix, Velocity(truth.vx_mps + sigma * noise[2], truth.vy_mps + sigma * noise[3], sigma)
+            fix, Velocity(truth.vx_mps + sigma * off[0], truth.vy_mps + sigma * off[1], sigma)
         )
 
 

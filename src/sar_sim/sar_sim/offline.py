@@ -23,9 +23,8 @@ from sar_estimator.messages import (
     datum_message,
     fix_outputs,
     fix_to_message,
-    leg_to_odometry,
+    leg_as_told,
     motion_as_told,
-    odometry_to_leg,
     path_to_corner,
     points_to_path,
     prediction_outputs,
@@ -171,7 +170,7 @@ class OfflineFlight:
         self.planner = MissionPlanner(scenario.corner, mission)
         self.monitor = make_monitor(scenario, watch_only=watch_only)
         self._told_monitor = ""
-        self._leg_as_told = _Carried(lambda leg: odometry_to_leg(leg_to_odometry(leg)))
+        self._leg_as_told = _Carried(leg_as_told)
         self._corner_as_told = _Carried(lambda corner: path_to_corner(corner_to_path(corner)))
         self._banks = MissionBanks(altitude_m=scenario.sensor.altitude_m)
         self.planner.set_vehicle(Vehicle(parameter_values(scenario.uav)))
