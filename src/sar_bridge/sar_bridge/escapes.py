@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sar_bridge import kernels
 from sar_bridge.follower import STEP_S
 from sar_bridge.helicopter_futures import Future
 from sar_estimator.states import FloatArray, Motion
@@ -34,13 +35,8 @@ def apart(path: FloatArray, futures: list[Future], beside_m: float) -> list[Apar
 
     ``beside_m``: the standard deviation of the UAV's position about the path [m].
     """
-    count = len(path)
     return [
-        Apart(
-            future,
-            np.hypot(*(path - future.positions[:count]).T),
-            np.hypot(future.sigma_m[:count], beside_m),
-        )
+        Apart(future, *kernels.apart(path, future.positions, future.sigma_m, beside_m))
         for future in futures
     ]
 

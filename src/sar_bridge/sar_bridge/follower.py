@@ -118,9 +118,10 @@ class Route:
             return False
         (x, y), (next_x, next_y) = self.places[self._at : self._at + 2]
         way_x, way_y, dx, dy = next_x - x, next_y - y, uav.x_m - x, uav.y_m - y
+        if math.hypot(dx, dy) >= NEAR_M or dx * way_x + dy * way_y <= 0.0:
+            return False
         length = max(math.hypot(way_x, way_y), LEAST_GAP_M)
-        onward = (uav.vx_mps * way_x + uav.vy_mps * way_y) / length > 0.5 * uav.speed_mps
-        return onward and math.hypot(dx, dy) < NEAR_M and dx * way_x + dy * way_y > 0.0
+        return (uav.vx_mps * way_x + uav.vy_mps * way_y) / length > 0.5 * uav.speed_mps
 
 
 def handling(

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from sar_bridge import kernels
 from sar_estimator.plane import Pose, wrap_angle
 from sar_estimator.states import CornerEstimate, FloatArray, LegEstimate, Motion, Phase
 
@@ -167,15 +168,13 @@ class Helicopter:
 
     def _spread(self, times: FloatArray, velocity_sigma: float) -> FloatArray:
         """Return the standard deviation at ``times`` of a motion with an unsure velocity [m]."""
-        spread: FloatArray = np.hypot(self._position_sigma_m, velocity_sigma * times)
-        return spread
+        return kernels.spread(times, self._position_sigma_m, velocity_sigma, 0.0, 0.0)
 
     def _ramp_spread(self, times: FloatArray) -> FloatArray:
         """Return the same where the acceleration is not known better than to a share."""
-        sure = self.cruise_mps / self.habits.accel_mps2
-        ramp = 0.5 * self.habits.accel_mps2 * np.minimum(times, sure) ** 2
-        spread: FloatArray = np.hypot(self._position_sigma_m, ACCEL_SHARE_SIGMA * ramp)
-        return spread
+        accel = self.habits.accel_mps2
+        unsure, ramp_s = ACCEL_SHARE_SIGMA * accel, self.cruise_mps / accel
+        return kernels.spread(times, self._position_sigma_m, 0.0, unsure, ramp_s)
 
     def _turned(self, stop: Pose, after_s: float, times: FloatArray, turn_rad: float) -> FloatArray:
         """Return where it is when it departs from a stop, turned by an angle."""
@@ -188,19 +187,19 @@ class Helicopter:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return how it comes to a stand, and how it departs from there inside and outside."""
         stop, in_s, accel = self._stop(here, speed, now_s)
-        slowing = _along(stop, -0.5 * accel * np.maximum(in_s - times, 0.0) ** 2)
-        before = (times < in_s)[:, None]
-        inside = self.habits.inside_rad
-        left = self._turned(stop, in_s, times, inside)
-        right = self._turned(stop, in_s, times, -inside)
-        return slowing, np.where(before, slowing, left), np.where(before, slowing, right)
+        habits = self.habits
+        stands, left, right = kernels.stop_and_turn(
+            times, *stop, in_s, accel, habits.accel_mps2, self.cruise_mps
+        )
+        inside, outside = (right, left) if habits.turn_side > 0 else (left, right)
+        return stands, inside, outside
 
     def _cruising(
         self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray
     ) -> list[Future]:
         here = self._here(motion, ahead_s)
         vx, vy, sigma = self._velocity(motion)
-        onward = np.array((here.x_m, here.y_m)) + times[:, None] * np.array((vx, vy))
+        onward = kernels.straight_on(times, here.x_m, here.y_m, vx, vy)
         straight = Pose(here.x_m, here.y_m, math.atan2(vy, vx))
         slowing, inside, outside = self._stopping(straight, math.hypot(vx, vy), now_s, times)
         spread = self._ramp_spread(times)

@@ -33,6 +33,70 @@ HALF_PI = 0.5 * math.pi
     AIR2,  # square of the airspeed [m^2/s^2]
     HANDLING,  # how many of these there are
 ) = range(13)
+STANDS, LEAVES_LEFT, LEAVES_RIGHT = range(3)
+
+
+@compiled("float64[:, ::1](float64[::1], f8, f8, f8, f8)")
+def straight_on(
+    times_s: FloatArray, x_m: float, y_m: float, vx_mps: float, vy_mps: float
+) -> FloatArray:
+    """Return where it is, shape (n, 2), that keeps its velocity."""
+    out = np.empty((times_s.shape[0], 2))
+    for i in range(times_s.shape[0]):
+        out[i, 0], out[i, 1] = x_m + vx_mps * times_s[i], y_m + vy_mps * times_s[i]
+    return out
+
+
+@compiled("float64[::1](float64[::1], f8, f8, f8, f8)")
+def spread(
+    times_s: FloatArray, now_m: float, speed_mps: float, accel_mps2: float, ramp_s: float
+) -> FloatArray:
+    """Return a standard deviation of position, shape (n,) [m], as it grows from ``now_m``.
+
+    By that of the velocity, and of the acceleration while it lasts.
+    """
+    out = np.empty(times_s.shape[0])
+    for i in range(times_s.shape[0]):
+        ramp = 0.5 * accel_mps2 * min(times_s[i], ramp_s) ** 2
+        out[i] = math.hypot(now_m, math.hypot(speed_mps * times_s[i], ramp))
+    return out
+
+
+@compiled("float64[:,:,::1](float64[::1], f8, f8, f8, f8, f8, f8, f8)")
+def stop_and_turn(
+    times_s: FloatArray,
+    x_m: float,
+    y_m: float,
+    heading_rad: float,
+    in_s: float,
+    slowing_mps2: float,
+    departing_mps2: float,
+    cruise_mps: float,
+) -> FloatArray:
+    """Return where it is that comes to a stand, and stays; or turns square to a side and departs.
+
+    The stop is at x, y, after ``in_s``. Shape (3, n, 2): ``STANDS``, ``LEAVES_LEFT``,
+    ``LEAVES_RIGHT``.
+    """
+    count = times_s.shape[0]
+    out = np.empty((3, count, 2))
+    cosine, sine = math.cos(heading_rad), math.sin(heading_rad)
+    ramp_s = cruise_mps / departing_mps2
+    for i in range(count):
+        left_s = max(in_s - times_s[i], 0.0)
+        back = 0.5 * slowing_mps2 * left_s**2
+        stand_x, stand_y = x_m - back * cosine, y_m - back * sine
+        since = max(times_s[i] - in_s, 0.0)
+        ramp = min(since, ramp_s)
+        run = 0.5 * departing_mps2 * ramp**2 + cruise_mps * (since - ramp)
+        out[STANDS, i, 0], out[STANDS, i, 1] = stand_x, stand_y
+        out[LEAVES_LEFT, i, 0], out[LEAVES_LEFT, i, 1] = (
+            stand_x - run * sine,
+            stand_y + run * cosine,
+        )
+        out[LEAVES_RIGHT, i, 0] = stand_x + run * sine
+        out[LEAVES_RIGHT, i, 1] = stand_y - run * cosine
+    return out
 
 
 @compiled("float64(float64)")
@@ -49,6 +113,35 @@ def is_passed(
     dx, dy = x - end_x, y - end_y
     onward = dx * (end_x - begin_x) + dy * (end_y - begin_y)
     return onward >= 0.0 or math.hypot(dx, dy) < REACHED_M
+
+
+@compiled("Tuple((float64[::1], float64[::1]))(float64[:, ::1], float64[:, :], float64[::1], f8)")
+def apart(
+    path: FloatArray, positions: FloatArray, sigma: FloatArray, beside: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return how far a path is from positions of the same times, and how sure that is [m].
+
+    Shapes (n, 2), (n or more, 2), (n or more,); ``beside``: the standard deviation of the path.
+    """
+    count = path.shape[0]
+    distance, spread = np.empty(count), np.empty(count)
+    for i in range(count):
+        distance[i] = math.hypot(path[i, 0] - positions[i, 0], path[i, 1] - positions[i, 1])
+        spread[i] = math.hypot(sigma[i], beside)
+    return distance, spread
+
+
+@compiled("Tuple((f8, int64))(float64[::1], float64[::1], f8, int64)")
+def closest(
+    distance: FloatArray, sigma: FloatArray, sigmas: float, count: int
+) -> tuple[float, int]:
+    """Return the least of the first ``count`` distances, ``sigmas`` deviations added, and where."""
+    least, where = math.inf, 0
+    for i in range(min(count, distance.shape[0])):
+        bound = distance[i] + sigmas * sigma[i]
+        if bound < least:
+            least, where = bound, i
+    return least, where
 
 
 @compiled("void(float64[::1], float64[::1], float64)")

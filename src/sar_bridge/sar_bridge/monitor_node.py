@@ -19,9 +19,9 @@ from sar_bridge.follower import FollowerTuning
 from sar_bridge.helicopter_futures import Habits
 from sar_bridge.separation_monitor import (
     Alert,
+    MonitorNews,
     MonitorParameters,
     SeparationMonitor,
-    monitor_text,
 )
 from sar_estimator import topics
 from sar_estimator.messages import (
@@ -56,7 +56,7 @@ class MonitorNode(Node):
         self._uav_up_m = self._datum_m = 0.0
         self._led = False
         self._early: Path | None = None
-        self._told = ""
+        self._news = MonitorNews()
         self._senders = {
             topic: self.create_publisher(kind, topic, qos)
             for topic, kind, qos in (
@@ -182,9 +182,8 @@ class MonitorNode(Node):
 
     def _tell(self) -> None:
         """Publish the state when it has changed."""
-        text = monitor_text(self._monitor)
-        if text != self._told:
-            self._told = text
+        text = self._news.of(self._monitor)
+        if text is not None:
             self._senders[topics.MONITOR].publish(text_message(text))
 
     def _on_diagnostics(self) -> None:

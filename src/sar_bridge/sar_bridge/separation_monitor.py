@@ -17,6 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from sar_bridge import kernels
 from sar_bridge.escapes import Apart, Escape, Worth, apart, climb_m, ends, worth
 from sar_bridge.follower import STEP_S, FollowerTuning, Route, Vector, follow
 from sar_bridge.helicopter_futures import Future, Habits, Helicopter
@@ -345,10 +346,9 @@ class SeparationMonitor:
         for future, distance, sigma in near:
             if only_likely and not future.likely:
                 continue
-            bound = distance[:count] + sigmas * sigma[:count]
-            i = int(bound.argmin())
-            if bound[i] < found.distance_m:
-                found = Approach(float(bound[i]), float(self._times[i]), future.name)
+            least, i = kernels.closest(distance, sigma, sigmas, count)
+            if least < found.distance_m:
+                found = Approach(least, float(self._times[i]), future.name)
         return found
 
     # Guard -------------------------------------------------------------------------------------
@@ -489,3 +489,23 @@ def monitor_text(monitor: SeparationMonitor) -> str:
             "counts": monitor.counts,
         }
     )
+
+
+class MonitorNews:
+    """What is to be told of a monitor: its state as JSON, when that has changed.
+
+    ``told``: what was returned last, empty at first.
+    """
+
+    def __init__(self) -> None:
+        """Nothing is told yet."""
+        self.told = ""
+        self._state: tuple[object, ...] = ()
+
+    def of(self, monitor: SeparationMonitor) -> str | None:
+        """Return a monitor's state; None where it is what was returned last."""
+        state = monitor.alert, monitor.reason, monitor.refused_s, *monitor.counts.values()
+        if state == self._state:
+            return None
+        self._state, self.told = state, monitor_text(monitor)
+        return self.told

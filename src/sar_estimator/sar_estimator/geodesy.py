@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import pymap3d
@@ -11,7 +12,7 @@ import pymap3d
 from sar_estimator.states import FloatArray
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Datum:
     """The origin of the map frame.
 
@@ -36,15 +37,19 @@ class Datum:
         self, latitude_deg: float, longitude_deg: float, altitude_m: float | None = None
     ) -> tuple[float, float, float]:
         """Return east, north, up [m]; without an altitude the datum's is taken."""
-        east, north, up = pymap3d.geodetic2enu(
-            latitude_deg,
-            longitude_deg,
-            self.altitude_m if altitude_m is None else altitude_m,
-            self.latitude_deg,
-            self.longitude_deg,
-            self.altitude_m,
+        altitude = self.altitude_m if altitude_m is None else altitude_m
+        x, y, z = pymap3d.geodetic2ecef(latitude_deg, longitude_deg, altitude)
+        origin_x, origin_y, origin_z = self._origin
+        east, north, up = pymap3d.uvw2enu(
+            x - origin_x, y - origin_y, z - origin_z, self.latitude_deg, self.longitude_deg
         )
         return float(east), float(north), float(up)
+
+    @cached_property
+    def _origin(self) -> tuple[float, float, float]:
+        """Where it is in the frame of the Earth [m]."""
+        x, y, z = pymap3d.geodetic2ecef(self.latitude_deg, self.longitude_deg, self.altitude_m)
+        return float(x), float(y), float(z)
 
     def to_geodetic(self, x_m: float, y_m: float, z_m: float = 0.0) -> tuple[float, float, float]:
         """Return latitude [deg], longitude [deg], altitude [m] of a map position."""

@@ -67,7 +67,7 @@ class Approach:
         """
         low, high = self.flown_m - BACK_M, self.flown_m + AHEAD_FACTOR * moved_m + BACK_M
         at = self.path.nearest_m(uav.x_m, uav.y_m, max(0.0, low), high)
-        return replace(self, flown_m=max(0.0, at))
+        return Approach(self.frame, self.path, self.begun_s, self.speed_mps, max(0.0, at))
 
     def timed(
         self, rest: FlightPath, forecast: Forecast, now_s: float, trim: float, share: float = 1.0
@@ -81,7 +81,7 @@ class Approach:
         wanted = rest.length_m / (left_s * share) if left_s > 1.0 else math.inf
         speed = min(max(wanted, v * (1.0 - trim)), v * (1.0 + trim))
         begun = now_s - (self.path.length_m - rest.length_m) / speed
-        return replace(self, speed_mps=speed, begun_s=begun)
+        return Approach(self.frame, self.path, begun, speed, self.flown_m)
 
     def end_in(self, frame: CornerFrame) -> Pose:
         """Return where the path ends, in another slot's frame."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,8 +13,7 @@ from sar_estimator.plane import Pose
 from sar_planner.geometry import CornerFrame, FloatArray
 
 
-@dataclass(frozen=True, slots=True)
-class Stretch:
+class Stretch(NamedTuple):
     """From ``time_s`` on, constant acceleration along the heading of ``start``."""
 
     time_s: float
@@ -71,9 +71,10 @@ class Forecast:
     def in_frame(self, frame: CornerFrame) -> Forecast:
         """Return the same motion in the coordinates of a frame."""
         moved = tuple(
-            replace(stretch, start=frame.to_frame(stretch.start)) for stretch in self.stretches
+            Stretch(one.time_s, frame.to_frame(one.start), one.speed_mps, one.accel_mps2)
+            for one in self.stretches
         )
-        return replace(self, stretches=moved, leg=frame.to_frame(self.leg))
+        return Forecast(moved, frame.to_frame(self.leg), self.zero_s, self.speed_mps)
 
     def along_m(self, time_s: float) -> float:
         """Return how far along the leg, from ``leg``, the slot is at ``time_s`` [m]."""

@@ -156,35 +156,30 @@ class FlightPath:
         return tuple(poses)
 
     @cached_property
-    def _starts_m(self) -> FloatArray:
-        lengths = [0.0, *(segment.length_m for segment in self.segments)]
-        return np.cumsum(np.asarray(lengths, dtype=np.float64))
+    def _starts_m(self) -> list[float]:
+        starts = [0.0]
+        for segment in self.segments:
+            starts.append(starts[-1] + segment.length_m)
+        return starts
 
     @cached_property
     def _parts(self) -> FloatArray:
-        """x, y, heading, curvature and path distance where each part begins, shape (5, n + 2).
+        """``parts`` behind a straight that leads to the path, shape (5, n + 2)."""
+        before = (*self.start, 0.0, 0.0)
+        return np.column_stack((before, self.parts))
 
-        The first part is a straight before the path, the last one a straight behind it.
-        """
-        poses = (self.start, *self.joints)
-        bends = [part.curvature if isinstance(part, Arc) else 0.0 for part in self.segments]
-        return np.array(
-            [
-                [pose.x_m for pose in poses],
-                [pose.y_m for pose in poses],
-                [pose.heading_rad for pose in poses],
-                [0.0, *bends, 0.0],
-                [0.0, *self._starts_m],
-            ]
-        )
-
-    @property
+    @cached_property
     def parts(self) -> FloatArray:
         """x, y, heading, curvature and path distance where each part begins, shape (5, n + 1).
 
         The last part is the straight behind the path.
         """
-        return np.ascontiguousarray(self._parts[:, 1:])
+        bends = [part.curvature if isinstance(part, Arc) else 0.0 for part in self.segments]
+        rows = [
+            (*pose, bend, begun)
+            for pose, bend, begun in zip(self.joints, (*bends, 0.0), self._starts_m, strict=True)
+        ]
+        return np.array(rows, dtype=np.float64).T.copy()
 
     @property
     def end(self) -> Pose:
@@ -204,7 +199,7 @@ class FlightPath:
             if distance_m < begun + segment.length_m:
                 if distance_m < begun:
                     break
-                return segment.pose_after(start, distance_m - float(begun))
+                return segment.pose_after(start, distance_m - begun)
         if distance_m < 0.0 or not self.segments:
             return self.start.offset(distance_m)
         return self.end.offset(distance_m - self.length_m)
@@ -214,8 +209,8 @@ class FlightPath:
         start = self.pose_at(from_m)
         kept: list[Segment] = []
         for begun, segment in zip(self._starts_m, self.segments, strict=False):
-            low = max(from_m - float(begun), 0.0)
-            high = min(to_m - float(begun), segment.length_m)
+            low = max(from_m - begun, 0.0)
+            high = min(to_m - begun, segment.length_m)
             if high > low:
                 kept.append(segment.part(high - low))
         return FlightPath.of(start, kept)
@@ -245,11 +240,11 @@ class FlightPath:
         """Return the path distance nearest to a point [m], between ``low_m`` and ``high_m``."""
         best, nearest = min(max(0.0, low_m), self.length_m), math.inf
         for begun, start, segment in zip(self._starts_m, self.joints, self.segments, strict=False):
-            at = float(begun) + segment.nearest_m(start, x_m, y_m)
-            at = min(max(at, low_m, float(begun)), high_m, float(begun) + segment.length_m)
-            if not low_m <= at <= high_m:
+            if begun > high_m or begun + segment.length_m < low_m:
                 continue
-            there = segment.pose_after(start, at - float(begun))
+            at = begun + segment.nearest_m(start, x_m, y_m)
+            at = min(max(at, low_m, begun), high_m, begun + segment.length_m)
+            there = segment.pose_after(start, at - begun)
             gap = math.hypot(there.x_m - x_m, there.y_m - y_m)
             if gap < nearest:
                 best, nearest = at, gap

@@ -98,7 +98,7 @@ class MissionPlanner:
         self.wind_mps = (0.0, 0.0)
         self._in_auto = False
         self._lists = 0
-        self._told_mps = 0.0
+        self._told_mps = self._course_rad = 0.0
         self._retry_s = -math.inf
         self._new = True
 
@@ -254,7 +254,7 @@ class MissionPlanner:
         speed = self.speed_mps
         if speed is None:
             return None
-        return self._pilot.lists.air.airspeed_mps(self._pilot.course_rad, speed)
+        return self._pilot.lists.air.airspeed_mps(self._course_rad, speed)
 
     def newly_asked_mps(self, step_mps: float) -> float | None:
         """Return the airspeed asked for when it differs by ``step_mps`` from what was told last."""
@@ -315,7 +315,8 @@ class MissionPlanner:
         refused = self._refused(now_s)
         listed = self._pilot.update(now_s)
         pilot, speed = self._pilot, self._pilot.speed_mps
-        slow = "" if speed is None else pilot.lists.air.out_of_reach(pilot.course_rad, speed)
+        self._course_rad = pilot.course_rad
+        slow = "" if speed is None else pilot.lists.air.out_of_reach(self._course_rad, speed)
         self.problem = "; ".join(note for note in (pilot.problem, slow, refused) if note)
         if listed is None:
             return None

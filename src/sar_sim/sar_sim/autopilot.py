@@ -70,6 +70,7 @@ class SimAutopilot:
         across = wy * math.cos(heading) - wx * math.sin(heading)
         drift = math.asin(across / speed_mps)
         self.state = UavState(0.0, start.x_m, start.y_m, heading - drift, speed_mps)
+        self._moving = self.state, self.wind_mps, ground_motion(self.state, self.wind_mps)
         self.altitude_m = altitude_m
         self.mode = FlightMode.GUIDED
         self.airspeed_mps = speed_mps
@@ -90,7 +91,10 @@ class SimAutopilot:
     @property
     def motion(self) -> Motion:
         """The UAV's motion over ground."""
-        return ground_motion(self.state, self.wind_mps)
+        if self._moving[0] is not self.state or self._moving[1] is not self.wind_mps:
+            motion = ground_motion(self.state, self.wind_mps)
+            self._moving = self.state, self.wind_mps, motion
+        return self._moving[2]
 
     @property
     def roll_rad(self) -> float:

@@ -11,11 +11,13 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from sar_bridge.mission_items import WHEREVER_M
+from sar_estimator.compiled import compiled
 from sar_estimator.plane import wrap_angle
 from sar_estimator.states import Motion
 from sar_sim.uav import G_MPS2
 
 Point = tuple[float, float]
+PAIR = "UniTuple(f8, 2)"
 HALF_TURN = math.pi / 2.0
 CAPTURE_SINE = math.sqrt(0.5)
 INTEGRATED_RAD = math.radians(5.0)
@@ -172,6 +174,46 @@ class L1Parameters:
         return max(self.damping * self.period_s * ground_speed_mps / math.pi, 0.1)
 
 
+@compiled(f"{PAIR}({PAIR}, {PAIR}, {PAIR}, {PAIR}, f8, f8, f8)")
+def sine_of_nu(
+    begin: Point,
+    target: Point,
+    here: Point,
+    velocity: Point,
+    reach: float,
+    integral: float,
+    integrated: float,
+) -> tuple[float, float]:
+    """Return sin(Nu) on a leg, and the integrated cross-track error [rad]; positions in m.
+
+    ``reach``: the L1 distance [m]; ``integrated``: the share of the angle to the line that is
+    added to the integral.
+    """
+    begin_x, begin_y = begin
+    target_x, target_y = target
+    x, y = here
+    vx, vy = velocity
+    speed = math.hypot(vx, vy)
+    from_x, from_y = here if begin_x == target_x and begin_y == target_y else begin
+    course = math.atan2(target_y - from_y, target_x - from_x)
+    ux, uy = math.cos(course), math.sin(course)
+    ax, ay = x - begin_x, y - begin_y
+    along, off, far = ax * ux + ay * uy, ax * uy - ay * ux, math.hypot(ax, ay)
+    if far > reach and along / max(far, 1.0) < -CAPTURE_SINE:
+        bearing = math.atan2(-ay, -ax)
+    elif along > math.hypot(target_x - begin_x, target_y - begin_y) + PASSED_S * speed:
+        bearing = math.atan2(target_y - y, target_x - x)
+    else:
+        to_line = math.asin(min(max(off / reach, -CAPTURE_SINE), CAPTURE_SINE))
+        if abs(to_line) < INTEGRATED_RAD:
+            moved = integral + to_line * integrated
+            integral = min(max(moved, -MOST_INTEGRAL), MOST_INTEGRAL)
+        bearing = course + to_line + integral
+    nu = bearing - math.atan2(vy, vx)
+    nu -= 2.0 * math.pi * math.floor(nu / (2.0 * math.pi) + 0.5)
+    return math.sin(min(max(nu, -HALF_TURN), HALF_TURN)), integral
+
+
 class L1Guidance:
     """ArduPlane's AP_L1_Control, after S. Park, J. Deyst, J. P. How, AIAA-2004-4900.
 
@@ -206,28 +248,19 @@ class L1Guidance:
 
     def along(self, leg: Leg, motion: Motion, airspeed_mps: float) -> float:
         """Return the turn rate demanded on a leg."""
-        speed, reach = motion.speed_mps, self._p.l1_m(motion.speed_mps)
         here = (motion.x_m, motion.y_m)
-        begin = leg.begin if leg.tracked else here
-        course = _course(begin, leg.target) if begin != leg.target else _course(here, leg.target)
-        ux, uy = math.cos(course), math.sin(course)
-        ax, ay = here[0] - begin[0], here[1] - begin[1]
-        along, off, far = ax * ux + ay * uy, ax * uy - ay * ux, math.hypot(ax, ay)
-        length = math.hypot(leg.target[0] - begin[0], leg.target[1] - begin[1])
-        if far > reach and along / max(far, 1.0) < -CAPTURE_SINE:
-            bearing = _course(here, begin)
-        elif along > length + PASSED_S * speed:
-            bearing = _course(here, leg.target)
-        else:
-            sine = min(max(off / reach, -CAPTURE_SINE), CAPTURE_SINE)
-            to_line = math.asin(sine)
-            if abs(to_line) < INTEGRATED_RAD:
-                moved = self._integral + to_line * self._p.xtrack_gain * self.period_s
-                self._integral = min(max(moved, -MOST_INTEGRAL), MOST_INTEGRAL)
-            bearing = course + to_line + self._integral
-        nu = wrap_angle(bearing - motion.course_rad)
-        nu = min(max(nu, -HALF_TURN), HALF_TURN)
-        return self._turn_rate(self._p.l1_gain * speed**2 / reach * math.sin(nu), airspeed_mps)
+        sine, self._integral = sine_of_nu(
+            leg.begin if leg.tracked else here,
+            leg.target,
+            here,
+            (motion.vx_mps, motion.vy_mps),
+            self._p.l1_m(motion.speed_mps),
+            self._integral,
+            self._p.xtrack_gain * self.period_s,
+        )
+        speed = motion.speed_mps
+        lateral = self._p.l1_gain * speed**2 / self._p.l1_m(speed) * sine
+        return self._turn_rate(lateral, airspeed_mps)
 
     def around(self, centre: Point, radius_m: float, motion: Motion, airspeed_mps: float) -> float:
         """Return the turn rate demanded for a circle: capture it, then hold it (PD)."""

@@ -18,7 +18,7 @@ from sar_sim.scenario import Scenario
 from sar_sim.world import World
 
 COVERED_FROM_CORNER = 3
-TRACK_STEPS = 5
+TRACK_LOOKS = 2
 SAME_CORNER_S = 15.0
 
 
@@ -68,7 +68,7 @@ class Observer:
     def __init__(self, world: World) -> None:
         """Nothing is seen yet."""
         self._corners = list(world.corners)
-        self._steps = 0
+        self._looks = 0
         self._track: list[tuple[float, float, float, float]] = []
         self.lags_m: list[float] = []
         self.separation_m = math.inf
@@ -76,22 +76,23 @@ class Observer:
 
     @property
     def track(self) -> np.ndarray:
-        """The helicopter's and the UAV's positions twice a second, shape (n, 4) [m]."""
+        """The helicopter's and the UAV's positions at every second look, shape (n, 4) [m]."""
         return np.array(self._track).reshape(-1, 4)
 
     def __call__(self, world: World) -> None:
         """Look at the present state."""
         assert world.helicopter is not None
-        uav, helicopter = world.autopilot.motion, world.helicopter.motion(world.time_s)
+        uav, helicopter = world.autopilot.state, world.helicopter.motion(world.time_s)
         apart = math.hypot(uav.x_m - helicopter.x_m, uav.y_m - helicopter.y_m)
         if apart < self.separation_m:
             self.separation_m, self.separation_s = apart, world.time_s
-        self._steps += 1
-        if self._steps % TRACK_STEPS == 0:
+        self._looks += 1
+        if self._looks % TRACK_LOOKS == 0:
             self._track.append((helicopter.x_m, helicopter.y_m, uav.x_m, uav.y_m))
         while self._corners and self._corners[0].onset_time_s <= world.time_s:
             corner = self._corners.pop(0)
-            since = uav.speed_mps * (world.time_s - corner.onset_time_s)
+            speed = world.autopilot.motion.speed_mps
+            since = speed * (world.time_s - corner.onset_time_s)
             self.lags_m.append(since - corner.onset.along(uav.x_m, uav.y_m))
 
 

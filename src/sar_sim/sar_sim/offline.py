@@ -12,8 +12,8 @@ from rclpy.serialization import serialize_message
 from sar_bridge.follower import FollowerTuning
 from sar_bridge.mission_banks import MissionBanks
 from sar_bridge.separation_monitor import (
+    MonitorNews,
     SeparationMonitor,
-    monitor_text,
 )
 from sar_estimator import topics
 from sar_estimator.estimator import HelicopterEstimator
@@ -169,9 +169,10 @@ class OfflineFlight:
             mission = replace(mission, reaction_s=0.0)
         self.planner = MissionPlanner(scenario.corner, mission)
         self.monitor = make_monitor(scenario, watch_only=watch_only)
-        self._told_monitor = ""
+        self._news = MonitorNews()
         self._leg_as_told = _Carried(leg_as_told)
         self._corner_as_told = _Carried(lambda corner: path_to_corner(corner_to_path(corner)))
+        self._status = UavStatus()
         self._banks = MissionBanks(altitude_m=scenario.sensor.altitude_m)
         self.planner.set_vehicle(Vehicle(parameter_values(scenario.uav)))
         self._newest: Cleared | None = None
@@ -180,10 +181,10 @@ class OfflineFlight:
         self._corners = list(self.world.corners)
         self._steps = 0
         self._phase = ""
+        self.now_s = self._clock_s()
 
-    @property
-    def now_s(self) -> float:
-        """The mission's clock [s], as stamps carry it."""
+    def _clock_s(self) -> float:
+        """Return the mission's clock [s], as stamps carry it."""
         return stamped_s(self.world.epoch_s + self.world.time_s)
 
     def run(
@@ -192,7 +193,7 @@ class OfflineFlight:
         *,
         observe: Callable[[World], None] | None = None,
     ) -> None:
-        """Fly to the end; ``progress`` is told once a simulated second, ``observe`` every step."""
+        """Fly to the end; ``progress`` is told once a simulated second, ``observe`` every tick."""
         self._write(topics.DATUM, datum_message(self.world.datum, self.now_s))
         self._write(topics.MISSION, mission_message(self.planner))
         self._write(topics.SCENARIO, text_message(scenario_text(self.world.scenario)))
@@ -201,7 +202,7 @@ class OfflineFlight:
             self._write(topics.AUTOPILOT, text_message(json.dumps(told)))
         while not self.world.finished:
             self._step()
-            if observe is not None:
+            if observe is not None and self._steps % STEPS_PER_TICK == 0:
                 observe(self.world)
             if progress is not None and self._steps % STEPS_PER_STATUS == 0:
                 progress(self.progress())
@@ -225,6 +226,7 @@ class OfflineFlight:
 
     def _step(self) -> None:
         receptions = self.world.step()
+        self.now_s = self._clock_s()
         self._steps += 1
         self._transfer()
         while self._corners and self._corners[0].onset_time_s <= self.world.time_s:
@@ -300,10 +302,11 @@ class OfflineFlight:
 
     def _set_status(self) -> None:
         """Tell the planner in which mode the autopilot is."""
-        status = UavStatus(self.world.autopilot.mode.name, armed=True, connected=True)
-        if status != self.planner.status:
-            self._write(topics.UAV_STATE, text_message(json.dumps(asdict(status))))
-        self.planner.set_status(status)
+        mode = self.world.autopilot.mode
+        if mode.name != self._status.mode:
+            self._status = UavStatus(mode.name, armed=True, connected=True)
+            self._write(topics.UAV_STATE, text_message(json.dumps(asdict(self._status))))
+        self.planner.set_status(self._status)
 
     def _plan(self) -> None:
         autopilot = self.world.autopilot
@@ -316,8 +319,9 @@ class OfflineFlight:
                 self._write(topic, decision)
         if waypoints is not None:
             self._offer(waypoints)
-        if self.planner.airspeed_mps is not None:
-            autopilot.airspeed_mps = self.planner.airspeed_mps
+        airspeed = self.planner.airspeed_mps
+        if airspeed is not None:
+            autopilot.airspeed_mps = airspeed
 
     def _offer(self, waypoints: WaypointList) -> None:
         """Hand a list on when the monitor lets it pass."""
@@ -341,9 +345,8 @@ class OfflineFlight:
 
     def _tell_monitor(self) -> None:
         """Tell the planner what the monitor says, when that has changed."""
-        text = monitor_text(self.monitor)
-        if text != self._told_monitor:
-            self._told_monitor = text
+        text = self._news.of(self.monitor)
+        if text is not None:
             self.planner.set_monitor(monitor_from_text(text))
             self._write(topics.MONITOR, text_message(text))
 

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from sar_bridge.follower import FollowerTuning
-from sar_bridge.separation_monitor import monitor_text
+from sar_bridge.separation_monitor import MonitorNews
 from sar_estimator import topics
 from sar_estimator.estimator import HelicopterEstimator
 from sar_estimator.geodesy import Datum
@@ -219,7 +219,7 @@ class MonitorReplay(_Module):
             flown.corner, flown.mission.turn_side, watch_only=flown.watch_only
         )
         self._covariance: FloatArray = np.zeros((2, 2))
-        self._told = ""
+        self._news = MonitorNews()
         self._led = False
         self._looked = -1
         watched = self._monitor.helicopter
@@ -240,7 +240,7 @@ class MonitorReplay(_Module):
 
     def _on_told(self, time_s: float, _message: Any) -> None:
         """Tell what it was before anything was known, when the record does."""
-        if not self._told:
+        if not self._news.told:
             self._tell(time_s)
 
     def _on_corner(self, _time_s: float, message: Any) -> None:
@@ -287,9 +287,8 @@ class MonitorReplay(_Module):
         self._tell(time_s)
 
     def _tell(self, time_s: float) -> None:
-        text = monitor_text(self._monitor)
-        if text != self._told:
-            self._told = text
+        text = self._news.of(self._monitor)
+        if text is not None:
             self._publish(time_s, [(topics.MONITOR, text_message(text))])
 
 

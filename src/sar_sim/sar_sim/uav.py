@@ -6,10 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from sar_estimator.plane import wrap_angle
+from sar_estimator.compiled import compiled
 from sar_estimator.states import Motion
 
 G_MPS2 = 9.80665
+TINY_RAD = 1e-9
 
 
 class UavState(NamedTuple):
@@ -54,25 +55,51 @@ def step(
 
     ``clock_s``: how much time passes meanwhile, where not as much as is flown.
     """
-    top = state.airspeed_mps / limits.min_radius_m
-    wanted = max(-top, min(top, turn_rate_radps))
-    if limits.roll_lag_s > 0.0:
-        share = -math.expm1(-dt_s / limits.roll_lag_s)
-        wanted = state.turn_rate_radps + share * (wanted - state.turn_rate_radps)
-    limit = limits.accel_limit_mps2 * dt_s
-    change = airspeed_mps - state.airspeed_mps
-    if limits.speed_lag_s > 0.0:
-        change *= -math.expm1(-dt_s / limits.speed_lag_s)
-    speed = state.airspeed_mps + max(-limit, min(limit, change))
-    run = 0.5 * (state.airspeed_mps + speed) * dt_s
-    half_turn = 0.5 * wanted * dt_s
-    chord = run * (math.sin(half_turn) / half_turn if abs(half_turn) > 1e-9 else 1.0)
-    course = state.heading_rad + half_turn
-    return UavState(
-        state.time_s + (dt_s if clock_s is None else clock_s),
-        state.x_m + chord * math.cos(course) + wind_mps[0] * dt_s,
-        state.y_m + chord * math.sin(course) + wind_mps[1] * dt_s,
-        wrap_angle(state.heading_rad + wanted * dt_s),
+    x, y, heading, speed, rate = flown(
+        state[1:],
+        (turn_rate_radps, airspeed_mps),
+        (limits.min_radius_m, limits.accel_limit_mps2, limits.roll_lag_s, limits.speed_lag_s),
+        wind_mps,
+        dt_s,
+    )
+    time_s = state.time_s + (dt_s if clock_s is None else clock_s)
+    return UavState(time_s, x, y, heading, speed, rate)
+
+
+@compiled("UniTuple(f8, 5)(UniTuple(f8, 5), UniTuple(f8, 2), UniTuple(f8, 4), UniTuple(f8, 2), f8)")
+def flown(
+    state: tuple[float, ...],
+    wanted: tuple[float, float],
+    limits: tuple[float, ...],
+    wind: tuple[float, float],
+    dt: float,
+) -> tuple[float, float, float, float, float]:
+    """Return x, y [m], heading [rad], airspeed and turn rate after ``dt`` [s]: ``step``'s own.
+
+    ``wanted``: turn rate and airspeed; ``limits``: in the order of ``UavLimits``.
+    """
+    x, y, heading, airspeed, turn_rate = state
+    wanted_rate, wanted_speed = wanted
+    min_radius, accel_limit, roll_lag, speed_lag = limits
+    top = airspeed / min_radius
+    rate = max(-top, min(top, wanted_rate))
+    if roll_lag > 0.0:
+        rate = turn_rate - math.expm1(-dt / roll_lag) * (rate - turn_rate)
+    change = wanted_speed - airspeed
+    if speed_lag > 0.0:
+        change *= -math.expm1(-dt / speed_lag)
+    speed = airspeed + max(-accel_limit * dt, min(accel_limit * dt, change))
+    half_turn = 0.5 * rate * dt
+    chord = 0.5 * (airspeed + speed) * dt
+    if abs(half_turn) > TINY_RAD:
+        chord *= math.sin(half_turn) / half_turn
+    course = heading + half_turn
+    turned = heading + rate * dt
+    turned -= 2.0 * math.pi * math.floor(turned / (2.0 * math.pi) + 0.5)
+    return (
+        x + chord * math.cos(course) + wind[0] * dt,
+        y + chord * math.sin(course) + wind[1] * dt,
+        turned,
         speed,
-        wanted,
+        rate,
     )
