@@ -10,6 +10,7 @@ NEWER = {
     "NAVL1_PERIOD": 12.0,
     "NAVL1_DAMPING": 0.75,
     "WP_RADIUS": 50.0,
+    "WP_MAX_RADIUS": 0.0,
     "WP_LOITER_RAD": -70.0,
     "ROLL_LIMIT_DEG": 45.0,
     "AIRSPEED_CRUISE": 20.0,
@@ -21,7 +22,7 @@ NEWER = {
 }
 OLDER = {
     **{name: NEWER[name] for name in ("NAVL1_PERIOD", "NAVL1_DAMPING", "WP_RADIUS")},
-    **{name: NEWER[name] for name in ("WP_LOITER_RAD", "FS_GCS_ENABL")},
+    **{name: NEWER[name] for name in ("WP_MAX_RADIUS", "WP_LOITER_RAD", "FS_GCS_ENABL")},
     **{name: NEWER[name] for name in ("FS_LONG_TIMEOUT", "FS_LONG_ACTN")},
     "LIM_ROLL_CD": 4500.0,
     "TRIM_ARSPD_CM": 2000.0,

@@ -36,6 +36,7 @@ def test_a_good_one_is_flown_and_one_that_tells_nothing_too():
         ({"AIRSPEED_MAX": 19.0}, "AIRSPEED_MAX = 19: expected at least V = 20 m/s"),
         ({"ROLL_LIMIT_DEG": 25.0}, "ROLL_LIMIT_DEG = 25: expected at least 26"),
         ({"NAVL1_PERIOD": 20.0}, "NAVL1_PERIOD = 20: expected at most 16.2 s"),
+        ({"WP_MAX_RADIUS": 30.0}, "WP_MAX_RADIUS = 30: expected 0"),
     ],
 )
 def test_refusals_name_the_parameter(changes, expected):

@@ -13,6 +13,7 @@ NAMES: dict[str, tuple[str, float]] = {
     "NAVL1_PERIOD": ("NAVL1_PERIOD", 1.0),
     "NAVL1_DAMPING": ("NAVL1_DAMPING", 1.0),
     "WP_RADIUS": ("WP_RADIUS", 1.0),
+    "WP_MAX_RADIUS": ("WP_MAX_RADIUS", 1.0),
     "WP_LOITER_RAD": ("WP_LOITER_RAD", 1.0),
     "ROLL_LIMIT_DEG": ("LIM_ROLL_CD", 0.01),
     "AIRSPEED_CRUISE": ("TRIM_ARSPD_CM", 0.01),

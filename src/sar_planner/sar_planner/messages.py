@@ -33,6 +33,7 @@ from sar_planner.mission import (
 from sar_planner.vehicle import Vehicle
 
 SPEED_STEP_MPS = 0.05
+TRACK_M = 20.0
 
 COLOURS = {
     "helicopter": (0.85, 0.35, 0.0, 1.0),
@@ -86,17 +87,17 @@ def mission_message(planner: MissionPlanner) -> String:
 class MarkerTracks:
     """Both tracks, the waypoint list and the active rule as markers for RViz or Foxglove."""
 
-    def __init__(self, keep: int = 2000) -> None:
+    def __init__(self, keep: int = 1000) -> None:
         """Keep at most ``keep`` points of each track."""
         self._keep = keep
         self._tracks: dict[str, list[Point]] = {"helicopter": [], "uav": []}
 
     def add(self, name: str, motion: Motion | None) -> None:
-        """Append a position to a track once it is 5 m on."""
+        """Append a position to a track once it is ``TRACK_M`` on."""
         if motion is None:
             return
         track = self._tracks[name]
-        if track and math.hypot(motion.x_m - track[-1].x, motion.y_m - track[-1].y) < 5.0:
+        if track and math.hypot(motion.x_m - track[-1].x, motion.y_m - track[-1].y) < TRACK_M:
             return
         track.append(Point(x=motion.x_m, y=motion.y_m))
         del track[: -self._keep]

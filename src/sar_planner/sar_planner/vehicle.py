@@ -53,6 +53,12 @@ class Vehicle:
                 f"autopilot's ROLL_LIMIT_DEG = {limit_deg:g}: expected at least "
                 f"{needed_deg:.0f} for R = {r:g} m at {top:.1f} m/s over ground"
             )
+        widest = self.values.get("WP_MAX_RADIUS", 0.0)
+        if widest > 0.0:
+            return (
+                f"autopilot's WP_MAX_RADIUS = {widest:g}: expected 0; with it the UAV turns back "
+                "for waypoints that it passes beside"
+            )
         tuning, hurried = self.tuning(mission), v * (1.0 + mission.corner_hurry)
         if tuning is not None and tuning.period_s > (
             longest := tuning.longest_period_s(r, hurried)

@@ -40,6 +40,7 @@ def parameter_values(uav: Uav) -> dict[str, float]:
         "NAVL1_PERIOD": uav.l1_period_s,
         "NAVL1_DAMPING": uav.l1_damping,
         "WP_RADIUS": uav.wp_radius_m,
+        "WP_MAX_RADIUS": 0.0,
         "WP_LOITER_RAD": uav.loiter_radius_m,
         "ROLL_LIMIT_DEG": uav.roll_limit_deg,
         "AIRSPEED_CRUISE": 20.0,
