@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_bridge.entry import Entry, entry_of
-from sar_bridge.kernels import REACHED_M
+from sar_bridge.entry import LEFT_M, Entry, entry_of
 from sar_estimator.states import Motion
 
 LINE = np.column_stack((np.arange(0.0, 1000.0, 100.0), np.zeros(10)))
@@ -22,6 +21,12 @@ def at(x_m, y_m, course_rad=0.0, speed_mps=20.0):
 def test_on_the_leg_that_it_is_abeam_of():
     assert entry_of(LINE, at(30.0, 10.0)) == Entry(1, (0.0, 0.0))
     assert entry_of(LINE, at(130.0, 10.0)) == Entry(2, (100.0, 0.0))
+
+
+def test_on_the_next_leg_where_its_own_is_nearly_over():
+    assert entry_of(LINE, at(85.0, 10.0)) == Entry(1, (0.0, 0.0))
+    assert entry_of(LINE, at(95.0, 10.0)) == Entry(2, (100.0, 0.0))
+    assert entry_of(LINE, at(195.0, 10.0)) == Entry(3, (200.0, 0.0))
 
 
 def test_up_to_a_begin_that_is_ahead_it_flies_beside():
@@ -52,4 +57,4 @@ def test_every_uav_has_a_leg_of_a_list_and_never_one_behind_it(x, y, course, cou
     assert 0 <= entry.at < count
     if entry.at > 1 and entry.begin != (x, y):
         assert entry.begin == tuple(points[entry.at - 1])
-        assert uav.x_m >= points[entry.at - 1][0] - REACHED_M
+        assert uav.x_m >= points[entry.at - 1][0] - LEFT_M

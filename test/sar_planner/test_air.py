@@ -39,3 +39,10 @@ def test_a_ground_speed_out_of_reach_is_told():
     assert "takes an airspeed of 10.0 m/s" in air.out_of_reach(0.0, 20.0)
     assert air.out_of_reach(math.pi / 2.0, 20.0) == ""
     assert AirEnvelope().out_of_reach(1.0, 20.0) == ""
+
+
+def test_paths_are_planned_with_what_can_be_made_good_on_any_course():
+    assert AirEnvelope().speeds_mps(20.0, 0.1) == pytest.approx((18.0, 22.0))
+    assert AirEnvelope(10.0, 30.0, (0.0, -6.0)).speeds_mps(20.0, 0.1) == pytest.approx((18.0, 22.0))
+    assert AirEnvelope(10.0, 27.0, (0.0, 6.0)).speeds_mps(20.0, 0.1) == pytest.approx((18.0, 21.0))
+    assert AirEnvelope(10.0, 30.0, (12.0, 0.0)).speeds_mps(20.0, 0.1) == pytest.approx((19.6, 20.4))

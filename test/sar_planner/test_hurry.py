@@ -57,9 +57,11 @@ def test_the_slower_speed_is_taken_where_the_faster_has_no_path() -> None:
 
 
 def test_catching_up_stays_within_the_trim() -> None:
-    assert catching_up_mps(500.0, 0.0, 20.0, hurry=1.1, share=1.0, trim=0.1) == pytest.approx(22.0)
-    assert catching_up_mps(500.0, 25.0, 20.0, hurry=1.0, share=1.0, trim=0.1) == pytest.approx(
+    assert catching_up_mps(500.0, 0.0, 20.0, hurry=1.1, share=1.0, most_mps=22.0) == pytest.approx(
+        22.0
+    )
+    assert catching_up_mps(500.0, 25.0, 20.0, hurry=1.0, share=1.0, most_mps=22.0) == pytest.approx(
         20.0 / 0.95
     )
-    most = catching_up_mps(500.0, 200.0, 20.0, hurry=1.1, share=1.0, trim=0.1)
+    most = catching_up_mps(500.0, 200.0, 20.0, hurry=1.1, share=1.0, most_mps=22.0)
     assert math.isclose(most, 22.0)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from sar_bridge.kernels import is_passed
 from sar_bridge.mission_items import first_ahead
 from sar_estimator.states import FloatArray, Motion
 
 NEAR_M = 60.0
 FLOWN_M = 200.0  # with the slowest radio, while a list is on its way
 SHORT_M = 10.0  # a leg that is shorter is no line to follow
+LEFT_M = 12.0  # ArduPlane turns back for a waypoint that is passed when its leg begins
 SAME_WAY = math.cos(math.radians(60.0))
 
 Point = tuple[float, float]
@@ -33,8 +33,9 @@ class Entry:
 def entry_of(points: FloatArray, uav: Motion) -> Entry:
     """Return where a UAV enters a list, shape (n, 2) [m]: on the leg that it is abeam of.
 
-    Lists begin near the UAV, where a leg of theirs does. While that is ahead, the UAV flies up to
-    it beside, as far aside as it is. To a list that begins elsewhere it flies straight.
+    Or on the next one, where that begins within ``LEFT_M``. Lists begin near the UAV, where a leg
+    of theirs does. While that is ahead, the UAV flies up to it beside, as far aside as it is. To a
+    list that begins elsewhere it flies straight.
     """
     here, listed = (uav.x_m, uav.y_m), places(points)
     at = 0
@@ -55,7 +56,10 @@ def _passed(listed: list[Point], at: int, uav: Motion) -> bool:
     """Whether a waypoint lies behind a UAV that flies a list: of its first, by the leg after it."""
     (x, y), here = listed[at], (uav.x_m, uav.y_m)
     if at > 0:
-        return is_passed(*listed[at - 1], x, y, *here)
+        begin_x, begin_y = listed[at - 1]
+        length = math.dist(listed[at - 1], listed[at])
+        onward = (here[0] - x) * (x - begin_x) + (here[1] - y) * (y - begin_y)
+        return onward > -LEFT_M * length
     way_x, way_y = listed[1][0] - x, listed[1][1] - y
     onward = (here[0] - x) * way_x + (here[1] - y) * way_y
     same_way = uav.vx_mps * way_x + uav.vy_mps * way_y

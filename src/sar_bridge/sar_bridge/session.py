@@ -14,11 +14,12 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from sar_bridge.autopilot_state import AutopilotState
 from sar_bridge.commands import Command, CommandQueue, ground_heartbeat
 from sar_bridge.follower import FollowerTuning
-from sar_bridge.mission_banks import MissionBanks, RunIn, Write
+from sar_bridge.mission_banks import RUN_IN_ITEMS, MissionBanks, RunIn, Write
 from sar_bridge.mission_items import FloatArray, first_ahead, waypoint_items
 from sar_bridge.mission_upload import Address, MissionUpload, UploadState
 from sar_bridge.parameter_reader import ParameterReader
 from sar_estimator.geodesy import Datum
+from sar_estimator.states import Motion
 
 HEARTBEAT_PERIOD_S = 1.0
 LINK_TIMEOUT_S = 3.0
@@ -34,7 +35,9 @@ STREAMS = {
     mavlink.MAVLINK_MSG_ID_VFR_HUD: 2.0,
     mavlink.MAVLINK_MSG_ID_WIND: 1.0,
 }
-JOIN_S = 0.5
+TAKEN_UP_S = 0.3  # by the autopilot, two waypoints of a run-in included
+MOST_TRIPS = 3  # beside the items' own: request, acknowledgement, what is made current
+LATEST_S = 3.0
 
 Messages = list[mavlink.MAVLink_message]
 
@@ -72,7 +75,8 @@ class AutopilotSession:
         self._reader: ParameterReader | None = None
         self._banks = MissionBanks(altitude_m=altitude_m)
         self._joining: Write | None = None
-        self._begun_s = 0.0
+        self._begun_s = self._ros_s = self._begun_ros_s = 0.0
+        self._trip_s = 0.0
         self._later = False
         self._reboots = 0
         self._commands: CommandQueue | None = None
@@ -175,6 +179,7 @@ class AutopilotSession:
     ) -> tuple[Messages, bool]:
         """Take a message; return what to send, and whether there is a new position."""
         sender = Address(message.get_srcSystem(), message.get_srcComponent())
+        self._ros_s = ros_s
         out: Messages = []
         if self.address is None:
             if not self._is_autopilot(message, sender):
@@ -282,7 +287,7 @@ class AutopilotSession:
         if self._upload.state is UploadState.FAILED:
             self._banks.forget()
         self._later, self._joining = False, None
-        self._begun_s, self._sent = now_s, self._points
+        self._begun_s, self._begun_ros_s, self._sent = now_s, self._ros_s, self._points
         if not self.state.ardupilot:
             altitude = self.altitude_m + self._climb_m
             items = waypoint_items(self._points, self._datum, altitude)[1:]
@@ -308,9 +313,14 @@ class AutopilotSession:
         motion = None if telemetry is None else telemetry.motion
         if self._upload.partial and self._joining is None and motion is not None:
             tuning = FollowerTuning.read(self.parameters)
-            current = self.state.current_item
+            trips = len(self._sent) + MOST_TRIPS
+            self._trip_s = max(self._ros_s - self._begun_ros_s, 0.0) / trips
             self._joining = self._banks.join(
-                current, motion, self._datum, within_s=JOIN_S, tuning=tuning
+                self.state.current_item,
+                motion,
+                self._datum,
+                within_s=self._joined_in_s(motion),
+                tuning=tuning,
             )
             return self._write(self._joining, now_s)
         out: Messages = []
@@ -327,6 +337,16 @@ class AutopilotSession:
             out += self._mode_command("AUTO", now_s)
         self._engaging = False
         return out + (self._start_upload(now_s) if self._later else [])
+
+    def _joined_in_s(self, motion: Motion) -> float:
+        """Return how long after a motion was told the UAV will be led over by what is sent now.
+
+        The link's pace is that of the list sent last, in the time that the UAV flies by: that of
+        a simulation may run faster than this node's clock.
+        """
+        trips_s = (RUN_IN_ITEMS + MOST_TRIPS) * self._trip_s
+        age_s = max(self._ros_s - motion.time_s, 0.0)
+        return min(age_s + trips_s + TAKEN_UP_S, LATEST_S)
 
     def _make_current(self, seq: int, now_s: float) -> Messages:
         assert self._commands is not None
@@ -345,7 +365,8 @@ class AutopilotSession:
         if self._upload.active:
             return []
         current, motion = self.state.current_item, telemetry.motion
-        self._joining = self._banks.missed(current, motion, self._datum, within_s=JOIN_S)
+        within_s = self._joined_in_s(motion)
+        self._joining = self._banks.missed(current, motion, self._datum, within_s=within_s)
         return [] if self._joining is None else self._write(self._joining, now_s)
 
     def _watch_reboots(self) -> None:

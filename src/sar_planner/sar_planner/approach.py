@@ -70,16 +70,23 @@ class Approach:
         return Approach(self.frame, self.path, self.begun_s, self.speed_mps, max(0.0, at))
 
     def timed(
-        self, rest: FlightPath, forecast: Forecast, now_s: float, trim: float, share: float = 1.0
+        self,
+        rest: FlightPath,
+        forecast: Forecast,
+        now_s: float,
+        speeds_mps: tuple[float, float],
+        share: float = 1.0,
     ) -> Approach:
         """Return the approach at the speed with which the UAV arrives together with its slot.
 
-        ``rest``: what is left of the path; ``trim``: how far from V the speed may be, as a share.
+        ``rest``: what is left of the path; ``speeds_mps``: the slowest and the fastest; ``share``:
+        what of the speed is made good.
         """
         v = forecast.speed_mps
         left_s = forecast.zero_s - now_s + (rest.end.x_m - forecast.leg.x_m) / v
         wanted = rest.length_m / (left_s * share) if left_s > 1.0 else math.inf
-        speed = min(max(wanted, v * (1.0 - trim)), v * (1.0 + trim))
+        slowest, fastest = speeds_mps
+        speed = min(max(wanted, slowest), fastest)
         begun = now_s - (self.path.length_m - rest.length_m) / speed
         return Approach(self.frame, self.path, begun, speed, self.flown_m)
 

@@ -348,8 +348,12 @@ class DeadbeatPilot(Pilot):
     def _faster(self, path_m: float, lag_m: float, speed_mps: float) -> float:
         """Return the speed for a path that leaves a lag, at a helicopter's speed."""
         worth_m = lag_m if lag_m >= self._mission.lag_tolerance_m else 0.0
-        hurry, share, trim = self._hurry, self._share, self._mission.speed_trim
-        return catching_up_mps(path_m, worth_m, speed_mps, hurry=hurry, share=share, trim=trim)
+        hurry, share, most = self._hurry, self._share, self._speeds_mps(speed_mps)[1]
+        return catching_up_mps(path_m, worth_m, speed_mps, hurry=hurry, share=share, most_mps=most)
+
+    def _speeds_mps(self, speed_mps: float) -> tuple[float, float]:
+        """Return the slowest and the fastest speed of a path, at a helicopter's speed."""
+        return self.lists.air.speeds_mps(speed_mps, self._mission.speed_trim)
 
     def _list_of(self, path: FlightPath, *, from_m: float = 0.0) -> FloatArray:
         """Return the waypoints of the path that was just begun, in the map."""
@@ -409,8 +413,8 @@ class DeadbeatPilot(Pilot):
         there = approach.path.pose_at(flown)
         off_m = math.hypot(here.x_m - there.x_m, here.y_m - there.y_m)
         expected = tuple(forecast.in_frame(approach.frame) for forecast in forecasts)
-        trim = self._mission.speed_trim
-        approach = self.approach = approach.timed(rest, expected[0], now_s, trim, self._share)
+        speeds = self._speeds_mps(forecasts[0].speed_mps)
+        approach = self.approach = approach.timed(rest, expected[0], now_s, speeds, self._share)
         self.speed_mps = approach.speed_mps
         speed = approach.speed_mps * self._share
         lag = final_lag_m(rest, expected[0], start_s=now_s, speed_mps=speed)
@@ -543,15 +547,15 @@ class DeadbeatPilot(Pilot):
     def _rejoin_plan(self, now_s: float, forecasts: tuple[Forecast, ...]) -> RejoinPlan | None:
         frame = self._s.slot_frame(forecasts[0].leg)
         start_s = now_s + self._mission.reaction_s
-        v, trim = forecasts[0].speed_mps, self._mission.speed_trim
+        slowest, fastest = self._speeds_mps(forecasts[0].speed_mps)
         wide, _, least = self._separations_m()
         task = RejoinTask(
             self._ahead(frame, now_s),
             start_s,
             tuple(forecast.in_frame(frame) for forecast in forecasts),
             self._corner.turn_radius_m,
-            v * (1.0 - trim),
-            v * (1.0 + trim),
+            slowest,
+            fastest,
             wide,
         )
         plan = rejoin(task)

@@ -6,15 +6,12 @@ comes of having to be back in time. Faster than the helicopter, it has time to p
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
-from sar_planner.air import AirEnvelope
+from sar_planner.air import LEAST_TRIM, AirEnvelope
 from sar_planner.deadbeat import CONVERGED_M, DeadbeatRules
 from sar_planner.parameters import CornerParameters
 from sar_planner.rules import CornerPlan, NoPathError, Rule
-
-LEAST_TRIM = 0.01
 
 
 def hurries_of(air: AirEnvelope, speed_mps: float, trim: float) -> tuple[float, ...]:
@@ -22,8 +19,7 @@ def hurries_of(air: AirEnvelope, speed_mps: float, trim: float) -> tuple[float, 
 
     Beside V, up to ``trim`` above it: as much as the UAV can make good on any course.
     """
-    room = (air.fastest_mps - math.hypot(*air.wind_mps)) / speed_mps
-    most = min(1.0 + trim, room)
+    most = air.speeds_mps(speed_mps, trim)[1] / speed_mps
     return (most, 1.0) if most > 1.0 + LEAST_TRIM else (1.0,)
 
 
@@ -59,12 +55,12 @@ def hurried_plan(
 
 
 def catching_up_mps(
-    path_m: float, lag_m: float, speed_mps: float, *, hurry: float, share: float, trim: float
+    path_m: float, lag_m: float, speed_mps: float, *, hurry: float, share: float, most_mps: float
 ) -> float:
-    """Return the speed that takes a lag out along a path, no more than the trim above V.
+    """Return the speed that takes a lag out along a path, at most ``most_mps``.
 
     ``hurry``: the speed the path is planned with, over V; ``share``: of it that is made good.
     """
     share_m = lag_m * share / max(path_m, 1.0)
-    most = max(hurry, 1.0 + trim)
-    return speed_mps * min(hurry / max(1e-3, 1.0 - share_m), most)
+    hurried = speed_mps * hurry
+    return min(hurried / max(1e-3, 1.0 - share_m), max(hurried, most_mps))
