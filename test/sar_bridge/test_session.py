@@ -37,6 +37,7 @@ class Bench:
         self.to_vehicle = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)
         self.to_ground = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
         self.now = 0.0
+        self.trip_s = 0.0  # flown while a message goes out and the answer comes back
         self.sent = []
 
     def exchange(self, messages):
@@ -47,6 +48,10 @@ class Bench:
             for message in messages:
                 for heard in self.to_ground.parse_buffer(message.pack(self.to_vehicle)) or []:
                     answers += self.server.handle(heard, self.now)
+            if self.trip_s > 0.0:
+                self.now += self.trip_s
+                self.autopilot.step(self.trip_s)
+                answers += self.server.telemetry(self.now)
             messages = self.hear(answers)
 
     def hear(self, answers):
@@ -317,6 +322,10 @@ def test_speed_is_not_asked_for_once_a_human_has_taken_the_mode(bench):
 ARDUPLANE = Uav(autopilot="arduplane", roll_lag_s=0.35, l1_period_s=12.0)
 
 
+def bench_place(bench):
+    return np.array((bench.autopilot.state.x_m, bench.autopilot.state.y_m))
+
+
 def kinds(bench, since=0):
     return [m.get_type() for m in bench.sent[since:]]
 
@@ -348,6 +357,28 @@ def test_list_that_leads_elsewhere_is_made_current():
     bench.exchange(bench.session.set_list(turn, 2.0, DATUM, bench.now))
     assert bench.autopilot.current == 1 + 2 * BANK_ITEMS - RUN_IN_ITEMS
     assert command_numbers(bench)[-1] == mavlink.MAV_CMD_DO_SET_MISSION_CURRENT
+
+
+@pytest.mark.parametrize("trip_s", [0.0, 0.05, 0.15])
+def test_corrected_lists_in_a_turn_do_not_bend_the_uavs_way(trip_s):
+    bench = Bench(uav=ARDUPLANE)
+    bench.run(8.0)
+    turn = np.linspace(-0.5 * math.pi, math.pi, 24)
+    x = bench.autopilot.motion.x_m + 60.0
+    circle = np.column_stack((x + 120.0 * np.cos(turn), -130.0 + 120.0 * np.sin(turn)))
+    bench.exchange(bench.session.set_list(circle, 1.0, DATUM, bench.now))
+    bench.run(6.0)
+    bench.trip_s = trip_s
+    rates = []
+    for number in range(5):
+        aside = np.array((3.0 * (-1) ** number, 0.0))
+        told = circle[np.hypot(*(circle - bench_place(bench)).T).argmin() :] + aside
+        bench.exchange(bench.session.set_list(told, 2.0 + number, DATUM, bench.now))
+        for _ in range(10):
+            bench.run(0.1)
+            rates.append(bench.autopilot.state.turn_rate_radps)
+    assert min(rates) > -0.1
+    assert max(rates) < 0.4  # the limit is 0.6 rad/s
 
 
 def test_list_that_comes_while_a_part_is_written_waits_for_it():
