@@ -43,10 +43,20 @@ def as_json(figures: Iterable[Figure]) -> str:
 
 def memory_kb(smaps_rollup: str) -> int:
     """Return a process' proportional set size [kB] from its ``smaps_rollup``; 0 where not told."""
-    for line in smaps_rollup.splitlines():
-        if line.startswith("Pss:"):
-            return int(line.split()[1])
-    return 0
+    return _told_kb(smaps_rollup, ("Pss:",))
+
+
+def private_kb(smaps_rollup: str) -> int:
+    """Return the memory [kB] that no other process shares, from a ``smaps_rollup``.
+
+    Unlike the proportional set size it does not change when others begin or end.
+    """
+    return _told_kb(smaps_rollup, ("Private_Clean:", "Private_Dirty:"))
+
+
+def _told_kb(smaps_rollup: str, names: tuple[str, ...]) -> int:
+    lines = (line.split() for line in smaps_rollup.splitlines() if line.startswith(names))
+    return sum(int(fields[1]) for fields in lines)
 
 
 def cpu_ticks(stat: str) -> int:

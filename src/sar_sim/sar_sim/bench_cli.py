@@ -22,7 +22,7 @@ from filterpy.kalman import KalmanFilter
 from sar_estimator.estimator import HelicopterEstimator
 from sar_estimator.parameters import EstimatorParameters
 from sar_planner.benchmark_cli import LISTS, replan_times_ms
-from sar_sim.bench import Figure, as_json, cpu_ticks, memory_kb, node_name
+from sar_sim.bench import Figure, as_json, cpu_ticks, memory_kb, node_name, private_kb
 from sar_sim.missions import fly
 from sar_sim.options import find_scenario
 from sar_sim.pool import Workers
@@ -36,7 +36,7 @@ LAGS_M = (-150.0, 1000.0)
 LEG_M = 1500.0
 POOL_MISSIONS = 4
 SETTLING_S, SAMPLED_S = 20.0, 60.0
-LONG_SPEED, GROWN_S, SAMPLE_S = 10.0, 600.0, 10.0
+LONG_SPEED, GROWN_S, SAMPLE_S, SLOWEST = 10.0, 600.0, 10.0, 1.5
 PATIENCE_S = 600.0
 UNASKED = ("estimator", "replan", "campaign", "load", "speed", "chain")
 
@@ -165,13 +165,13 @@ def graph_load(scratch: Path) -> Iterator[Figure]:
 
 
 def _nodes_mb(process: int) -> dict[str, float]:
-    """Return the memory [MB] of every node that comes from a process, as of now."""
+    """Return the memory of its own [MB] of every node that comes from a process, as of now."""
     found = {}
     for one in _family(process):
         name = node_name(Path(f"/proc/{one}/cmdline").read_text("utf-8"))
         if name is not None:
             rollup = Path(f"/proc/{one}/smaps_rollup").read_text("utf-8")
-            found[name] = memory_kb(rollup) / 1024.0
+            found[name] = private_kb(rollup) / 1024.0
     return found
 
 
@@ -185,8 +185,8 @@ def graph_memory(scratch: Path, hours: float) -> Iterator[Figure]:
     sizes: dict[str, list[float]] = {}
     try:
         time.sleep(SETTLING_S + GROWN_S / LONG_SPEED)
-        until = time.monotonic() + (seconds - GROWN_S) / LONG_SPEED
-        while time.monotonic() < until and flight.poll() is None:
+        latest = time.monotonic() + SLOWEST * (seconds - GROWN_S) / LONG_SPEED
+        while time.monotonic() < latest and flight.poll() is None:
             for name, size in _nodes_mb(flight.pid).items():
                 sizes.setdefault(name, []).append(size)
             time.sleep(SAMPLE_S)
