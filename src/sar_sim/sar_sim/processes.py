@@ -17,7 +17,7 @@ from typing import Any
 
 PR_SET_PDEATHSIG = 1
 LAST_LINES = 15
-SELDOM_COMPUTES = ("bridge",)
+SELDOM_COMPUTES = ("bridge", "sim")
 
 
 def _die_with_parent() -> None:
