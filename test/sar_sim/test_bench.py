@@ -28,14 +28,14 @@ def test_a_row_says_what_is_asked_and_whether_it_is_met():
     assert found["value"] == 27.0
 
 
-def test_memory_and_cpu_time_are_read_as_the_kernel_tells_them():
-    assert memory_kb("55e0-7fff ---p [rollup]\nRss:  900 kB\nPss:  412 kB\nPss_Anon: 7 kB\n") == 412
-    assert memory_kb("") == 0
-
-
 def test_what_others_share_is_no_memory_of_its_own():
     rollup = "[rollup]\nPss:  412 kB\nPrivate_Clean: 30 kB\nPrivate_Dirty: 300 kB\nSwap: 0 kB\n"
     assert private_kb(rollup) == 330
+
+
+def test_memory_and_cpu_time_are_read_as_the_kernel_tells_them():
+    assert memory_kb("55e0-7fff ---p [rollup]\nRss:  900 kB\nPss:  412 kB\nPss_Anon: 7 kB\n") == 412
+    assert memory_kb("") == 0
     stat = "17 (a) name)) S 1 17 17 0 -1 4194560 1 0 0 0 120 30 0 0 20 0 1 0 5 6 7"
     assert cpu_ticks(stat) == 150
     begun, until = bench_cli._used(os.getpid())[0], time.process_time() + 0.3

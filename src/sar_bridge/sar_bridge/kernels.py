@@ -90,10 +90,8 @@ def stop_and_turn(
         ramp = min(since, ramp_s)
         run = 0.5 * departing_mps2 * ramp**2 + cruise_mps * (since - ramp)
         out[STANDS, i, 0], out[STANDS, i, 1] = stand_x, stand_y
-        out[LEAVES_LEFT, i, 0], out[LEAVES_LEFT, i, 1] = (
-            stand_x - run * sine,
-            stand_y + run * cosine,
-        )
+        out[LEAVES_LEFT, i, 0] = stand_x - run * sine
+        out[LEAVES_LEFT, i, 1] = stand_y + run * cosine
         out[LEAVES_RIGHT, i, 0] = stand_x + run * sine
         out[LEAVES_RIGHT, i, 1] = stand_y - run * cosine
     return out
@@ -124,11 +122,11 @@ def apart(
     Shapes (n, 2), (n or more, 2), (n or more,); ``beside``: the standard deviation of the path.
     """
     count = path.shape[0]
-    distance, spread = np.empty(count), np.empty(count)
+    distance, deviation = np.empty(count), np.empty(count)
     for i in range(count):
         distance[i] = math.hypot(path[i, 0] - positions[i, 0], path[i, 1] - positions[i, 1])
-        spread[i] = math.hypot(sigma[i], beside)
-    return distance, spread
+        deviation[i] = math.hypot(sigma[i], beside)
+    return distance, deviation
 
 
 @compiled("Tuple((f8, int64))(float64[::1], float64[::1], f8, int64)")

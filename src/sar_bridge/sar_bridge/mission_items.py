@@ -51,7 +51,7 @@ def waypoint_items(points: FloatArray, datum: Datum, altitude_m: float) -> list[
     The list ends in an unlimited loiter, so that a UAV that hears nothing more stays there. Item 0
     is ArduPilot's home place-holder, which the autopilot ignores. ``altitude_m`` is above home.
     """
-    places = np.rint(datum.all_to_geodetic(points)[:, :2] * 1e7).astype(int).tolist()
+    places = _degrees_e7(points, datum)
     items = [
         MissionItem(
             mavlink.MAV_CMD_NAV_WAYPOINT,
@@ -76,9 +76,17 @@ def waypoint_items(points: FloatArray, datum: Datum, altitude_m: float) -> list[
     return [home, *items, loiter]
 
 
+def _degrees_e7(points: FloatArray, datum: Datum) -> list[list[int]]:
+    """Return latitudes and longitudes, in 1e-7 degrees, of places, shape (n, 2) [m]."""
+    found: list[list[int]] = (
+        np.rint(datum.all_to_geodetic(points)[:, :2] * 1e7).astype(int).tolist()
+    )
+    return found
+
+
 def reached_at_once(points: FloatArray, datum: Datum, altitude_m: float) -> list[MissionItem]:
     """Return waypoints, shape (n, 2) [m], that a UAV anywhere near has reached already."""
-    places = np.rint(datum.all_to_geodetic(points)[:, :2] * 1e7).astype(int).tolist()
+    places = _degrees_e7(points, datum)
     return [
         MissionItem(
             mavlink.MAV_CMD_NAV_WAYPOINT,

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
+from sar_bridge.kernels import wrapped
 from sar_bridge.mission_items import WHEREVER_M
 from sar_estimator.compiled import compiled
 from sar_estimator.plane import wrap_angle
@@ -209,8 +210,7 @@ def sine_of_nu(
             moved = integral + to_line * integrated
             integral = min(max(moved, -MOST_INTEGRAL), MOST_INTEGRAL)
         bearing = course + to_line + integral
-    nu = bearing - math.atan2(vy, vx)
-    nu -= 2.0 * math.pi * math.floor(nu / (2.0 * math.pi) + 0.5)
+    nu = wrapped(bearing - math.atan2(vy, vx))
     return math.sin(min(max(nu, -HALF_TURN), HALF_TURN)), integral
 
 
@@ -248,19 +248,18 @@ class L1Guidance:
 
     def along(self, leg: Leg, motion: Motion, airspeed_mps: float) -> float:
         """Return the turn rate demanded on a leg."""
-        here = (motion.x_m, motion.y_m)
+        speed, here = motion.speed_mps, (motion.x_m, motion.y_m)
+        reach = self._p.l1_m(speed)
         sine, self._integral = sine_of_nu(
             leg.begin if leg.tracked else here,
             leg.target,
             here,
             (motion.vx_mps, motion.vy_mps),
-            self._p.l1_m(motion.speed_mps),
+            reach,
             self._integral,
             self._p.xtrack_gain * self.period_s,
         )
-        speed = motion.speed_mps
-        lateral = self._p.l1_gain * speed**2 / self._p.l1_m(speed) * sine
-        return self._turn_rate(lateral, airspeed_mps)
+        return self._turn_rate(self._p.l1_gain * speed**2 / reach * sine, airspeed_mps)
 
     def around(self, centre: Point, radius_m: float, motion: Motion, airspeed_mps: float) -> float:
         """Return the turn rate demanded for a circle: capture it, then hold it (PD)."""

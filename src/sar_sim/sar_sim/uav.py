@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from sar_bridge.kernels import wrapped
 from sar_estimator.compiled import compiled
 from sar_estimator.states import Motion
 
@@ -94,12 +95,10 @@ def flown(
     if abs(half_turn) > TINY_RAD:
         chord *= math.sin(half_turn) / half_turn
     course = heading + half_turn
-    turned = heading + rate * dt
-    turned -= 2.0 * math.pi * math.floor(turned / (2.0 * math.pi) + 0.5)
     return (
         x + chord * math.cos(course) + wind[0] * dt,
         y + chord * math.sin(course) + wind[1] * dt,
-        turned,
+        wrapped(heading + rate * dt),
         speed,
         rate,
     )
