@@ -36,7 +36,7 @@ STREAMS = {
     mavlink.MAVLINK_MSG_ID_WIND: 1.0,
 }
 TAKEN_UP_S = 0.3  # by the autopilot, two waypoints of a run-in included
-MOST_TRIPS = 3  # beside the items' own: request, acknowledgement, what is made current
+OTHER_TRIPS = 3  # beside the items' own: request, acknowledgement, what is made current
 LATEST_S = 3.0
 
 Messages = list[mavlink.MAVLink_message]
@@ -313,7 +313,7 @@ class AutopilotSession:
         motion = None if telemetry is None else telemetry.motion
         if self._upload.partial and self._joining is None and motion is not None:
             tuning = FollowerTuning.read(self.parameters)
-            trips = len(self._sent) + MOST_TRIPS
+            trips = len(self._sent) + OTHER_TRIPS
             self._trip_s = max(self._ros_s - self._begun_ros_s, 0.0) / trips
             self._joining = self._banks.join(
                 self.state.current_item,
@@ -344,7 +344,7 @@ class AutopilotSession:
         The link's pace is that of the list sent last, in the time that the UAV flies by: that of
         a simulation may run faster than this node's clock.
         """
-        trips_s = (RUN_IN_ITEMS + MOST_TRIPS) * self._trip_s
+        trips_s = (RUN_IN_ITEMS + OTHER_TRIPS) * self._trip_s
         age_s = max(self._ros_s - motion.time_s, 0.0)
         return min(age_s + trips_s + TAKEN_UP_S, LATEST_S)
 
