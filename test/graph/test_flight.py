@@ -234,6 +234,24 @@ def test_bad_parameter_of_a_node_ends_the_run_with_its_line(launch, tmp_path, no
     assert message in errors
 
 
+def test_a_simulation_that_flies_alone_names_what_it_did_not_hear():
+    sim = ROOT / "install/sar_sim/lib/sar_sim/sim"
+    scenario = ROOT / "config/scenarios/paper.yaml"
+    given = [item for name, value in
+             (("scenario", scenario), ("mavlink_port", 14877), ("patience_s", 1.0))
+             for item in ("-p", f"{name}:={value}")]  # fmt: skip
+    ended = subprocess.run(
+        [str(sim), "--ros-args", *given],
+        env=dict(os.environ, ROS_DOMAIN_ID="98"),
+        capture_output=True, text=True, timeout=30, check=False,
+    )  # fmt: skip
+    assert ended.returncode == 2
+    assert ended.stderr == (
+        "sim: not heard of within 1.0 s: estimator, planner, bridge, "
+        "1 of the listeners on /helicopter/fix, the service /planner/engage\n"
+    )
+
+
 def test_operator_and_nodes_run_one_by_one(launch, tmp_path):
     """Installed executables started by hand, as ``ros2 run`` does."""
     environment = dict(os.environ, ROS_DOMAIN_ID="99", ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST")

@@ -9,7 +9,6 @@ import math
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import rclpy
 from geometry_msgs.msg import TwistStamped
@@ -23,24 +22,21 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from sar_estimator import topics
-from sar_estimator.geodesy import Datum
 from sar_estimator.messages import (
     fix_to_message,
     from_stamp,
-    odometry_to_motion,
     text_message,
     to_stamp,
     velocity_message,
 )
 from sar_estimator.node_support import LATCHED, RELIABLE, end_process, now_s, parameter, start_ros
-from sar_estimator.plane import Pose
-from sar_estimator.states import Motion
 from sar_sim.autopilot_link import AutopilotLink
 from sar_sim.autopilot_server import AutopilotServer
 from sar_sim.pacer import AutopilotPacer, Pacer, RealTimePacer
 from sar_sim.scenario import Scenario, load_scenario
 from sar_sim.texts import corner_truth_text, scenario_text
 from sar_sim.tracks import load_track
+from sar_sim.waiting import Answers, await_helicopter
 from sar_sim.world import World
 
 STEPS_PER_TRUTH = 2
@@ -48,8 +44,6 @@ SPIN_PERIOD_S = 0.02
 LONGEST_WAIT_S = 0.02
 ENGAGE_PERIOD_S = 0.5
 SETTLE_S = 2.0
-FLYING_MPS = 5.0
-STILL = Motion(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class SimNode(Node):
@@ -101,31 +95,8 @@ class SimNode(Node):
 
     def _make_world(self, scenario: Scenario, track: str) -> World:
         if self._live:
-            return World(scenario, live=self._await_helicopter())
+            return World(scenario, live=await_helicopter(self))
         return World(scenario, load_track(Path(track)) if track else None)
-
-    def _await_helicopter(self) -> tuple[Datum, Pose]:
-        """Wait until a real helicopter flies; the UAV begins at the scenario's lag behind it."""
-        found: dict[str, Any] = {}
-        subscriptions = [
-            self.create_subscription(
-                NavSatFix, topics.DATUM, lambda m: found.__setitem__("datum", m), LATCHED
-            ),
-            self.create_subscription(
-                Odometry,
-                topics.HELICOPTER_ODOMETRY,
-                lambda m: found.__setitem__("motion", odometry_to_motion(m)),
-                RELIABLE,
-            ),
-        ]
-        self.get_logger().info(f"waiting for a helicopter in flight on {topics.FIX}")
-        while not ("datum" in found and found.get("motion", STILL).speed_mps > FLYING_MPS):
-            rclpy.spin_once(self, timeout_sec=0.2)
-        for subscription in subscriptions:
-            self.destroy_subscription(subscription)
-        origin = found["datum"]
-        datum = Datum(origin.latitude, origin.longitude, origin.altitude)
-        return datum, found["motion"].pose
 
     def close(self) -> None:
         """Close the link."""
@@ -157,6 +128,7 @@ class SimNode(Node):
 
     def _await_graph(self) -> None:
         """Hold the clock at its start until the graph has been complete for a moment."""
+        answers = Answers(self, {"estimator": topics.PHASE, "planner": topics.MODE})
         deadline, ready_s = time.monotonic() + self._patience_s, math.inf
         while rclpy.ok():
             self._publish_clock()
@@ -164,17 +136,22 @@ class SimNode(Node):
             self._executor.spin_once(timeout_sec=0.0)
             if self._link is not None:
                 self._link.report(self._world.time_s)
-            heard = self._link is None or self._link.heard
-            listened = self._live or self._fix.get_subscription_count() >= self._listeners
-            planner = self._engage.service_is_ready()
-            if not (heard and listened and planner):
+            listeners = self._fix.get_subscription_count()
+            missing = answers.missing()
+            if self._link is not None and not self._link.heard:
+                missing.append("bridge")
+            if not self._live and listeners < self._listeners:
+                missing.append(f"{self._listeners - listeners} of the listeners on {topics.FIX}")
+            if not self._engage.service_is_ready():
+                missing.append(f"the service {topics.ENGAGE}")
+            if missing:
                 ready_s = math.inf
             elif time.monotonic() - (ready_s := min(ready_s, time.monotonic())) > SETTLE_S:
-                return
+                break
             if time.monotonic() > deadline:
-                found = {"bridge": heard, "estimator or recorder": listened, "planner": planner}
-                missing = ", ".join(name for name, there in found.items() if not there)
-                raise ValueError(f"not heard of within {self._patience_s} s: {missing}")
+                absent = ", ".join(missing)
+                raise ValueError(f"not heard of within {self._patience_s} s: {absent}")
+        answers.close()
 
     def _listen(self, timeout_s: float) -> None:
         if self._link is None:
