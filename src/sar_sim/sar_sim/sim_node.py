@@ -128,7 +128,7 @@ class SimNode(Node):
 
     def _await_graph(self) -> None:
         """Hold the clock at its start until the graph has been complete for a moment."""
-        answers = Answers(self, {"estimator": topics.PHASE, "planner": topics.MODE})
+        answers = Answers(self, ("estimator", "planner"))
         deadline, ready_s = time.monotonic() + self._patience_s, math.inf
         while rclpy.ok():
             self._publish_clock()
@@ -137,7 +137,7 @@ class SimNode(Node):
             if self._link is not None:
                 self._link.report(self._world.time_s)
             listeners = self._fix.get_subscription_count()
-            missing = answers.missing()
+            missing = answers.missing(time.monotonic())
             if self._link is not None and not self._link.heard:
                 missing.append("bridge")
             if not self._live and listeners < self._listeners:
@@ -147,11 +147,10 @@ class SimNode(Node):
             if missing:
                 ready_s = math.inf
             elif time.monotonic() - (ready_s := min(ready_s, time.monotonic())) > SETTLE_S:
-                break
+                return
             if time.monotonic() > deadline:
                 absent = ", ".join(missing)
                 raise ValueError(f"not heard of within {self._patience_s} s: {absent}")
-        answers.close()
 
     def _listen(self, timeout_s: float) -> None:
         if self._link is None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import rclpy
 from nav_msgs.msg import Odometry
+from rcl_interfaces.srv import GetParameters
 from rclpy.node import Node
 from sensor_msgs.msg import NavSatFix
-from std_msgs.msg import String
 
 from sar_estimator import topics
 from sar_estimator.geodesy import Datum
@@ -17,34 +18,36 @@ from sar_estimator.node_support import LATCHED, RELIABLE
 from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
 
+ASK_AGAIN_S = 0.5
 FLYING_MPS = 5.0
 STILL = Motion(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class Answers:
-    """Which nodes have told their latched state, as they first do when they have heard the clock.
+    """Which nodes answer when they are asked for a parameter.
 
     So that either side has found the other, which a count of listeners does not show.
     """
 
-    def __init__(self, node: Node, topic_of: dict[str, str]) -> None:
-        """Listen for the state (a text) of each named node on its topic."""
-        self._node, self._missing = node, dict.fromkeys(topic_of)
-        self._subscriptions = [
-            node.create_subscription(
-                String, topic, lambda _, name=name: self._missing.pop(name, None), LATCHED
-            )
-            for name, topic in topic_of.items()
-        ]
+    def __init__(self, node: Node, names: tuple[str, ...]) -> None:
+        """Ask the nodes of these names."""
+        self._node = node
+        self._clients = {
+            name: node.create_client(GetParameters, f"/{name}/get_parameters") for name in names
+        }
+        self._asked: dict[str, tuple[float, Any]] = {}
 
-    def missing(self) -> list[str]:
-        """Return the nodes that have not been heard."""
-        return list(self._missing)
-
-    def close(self) -> None:
-        """Listen no more."""
-        for subscription in self._subscriptions:
-            self._node.destroy_subscription(subscription)
+    def missing(self, now_s: float) -> list[str]:
+        """Return the nodes that have not answered, and ask those again that were silent."""
+        for name, client in list(self._clients.items()):
+            asked_s, answer = self._asked.get(name, (-math.inf, None))
+            if answer is not None and answer.done():
+                del self._clients[name]
+                self._node.destroy_client(client)
+            elif now_s - asked_s > ASK_AGAIN_S and client.service_is_ready():
+                request = GetParameters.Request(names=["use_sim_time"])
+                self._asked[name] = now_s, client.call_async(request)
+        return list(self._clients)
 
 
 def await_helicopter(node: Node) -> tuple[Datum, Pose]:
