@@ -16,7 +16,7 @@ from sar_planner.parameters import CornerParameters
 
 ROOT = Path(__file__).parents[1]
 SOURCES = sorted((ROOT / "src").glob("*/sar_*/*.py"))
-INPUT_OUTPUT = {"node_support", "waiting", "link", "processes", "home_link", "pool", "kept"}
+INPUT_OUTPUT = {"node_support", "link", "processes", "home_link", "pool", "kept"}
 PURE = [
     path
     for path in SOURCES

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import socket
@@ -10,10 +11,12 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import fields
+from functools import partial
 from typing import Any, NoReturn
 
 import rclpy
 from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.srv import GetParameters
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -21,6 +24,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sar_estimator.loopback import stay_on_machine
 
 PATIENCE_S = 8.0
+ASK_AGAIN_S = 0.5
 RELIABLE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 LATCHED = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
@@ -83,6 +87,51 @@ def refuse_unknown_parameters(node: Node) -> None:
             raise ValueError(
                 f"parameter {name} = {given.value}: unknown, expected one of {expected}"
             )
+
+
+class Answers:
+    """Which nodes answer when they are asked for a parameter.
+
+    So that either side has found the other, which a count of listeners does not show.
+    """
+
+    def __init__(self, node: Node, names: tuple[str, ...]) -> None:
+        """Ask the nodes of these names."""
+        self._node = node
+        self._clients = {
+            name: node.create_client(GetParameters, f"/{name}/get_parameters") for name in names
+        }
+        self._asked: dict[str, tuple[float, Any]] = {}
+
+    def missing(self, now_s: float) -> list[str]:
+        """Return the nodes that have not answered, and ask those again that were silent."""
+        for name, client in list(self._clients.items()):
+            asked_s, answer = self._asked.get(name, (-math.inf, None))
+            if answer is not None and answer.done():
+                del self._clients[name]
+                self._node.destroy_client(client)
+            elif now_s - asked_s > ASK_AGAIN_S and client.service_is_ready():
+                request = GetParameters.Request(names=["use_sim_time"])
+                self._asked[name] = now_s, client.call_async(request)
+        return list(self._clients)
+
+
+def hear_until(
+    node: Node,
+    wanted: list[tuple[type[Any], str, QoSProfile]],
+    enough: Callable[[dict[str, Any]], bool],
+) -> dict[str, Any]:
+    """Listen to topics (type, name, quality) until their newest messages, by topic, are enough."""
+    heard: dict[str, Any] = {}
+    subscriptions = [
+        node.create_subscription(kind, topic, partial(heard.__setitem__, topic), quality)
+        for kind, topic, quality in wanted
+    ]
+    while not enough(heard):
+        rclpy.spin_once(node, timeout_sec=0.2)
+    for subscription in subscriptions:
+        node.destroy_subscription(subscription)
+    return heard
 
 
 def end_process(code: int) -> NoReturn:

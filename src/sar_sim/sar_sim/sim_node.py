@@ -22,21 +22,32 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from sar_estimator import topics
+from sar_estimator.geodesy import Datum
 from sar_estimator.messages import (
     fix_to_message,
     from_stamp,
+    odometry_to_motion,
     text_message,
     to_stamp,
     velocity_message,
 )
-from sar_estimator.node_support import LATCHED, RELIABLE, end_process, now_s, parameter, start_ros
+from sar_estimator.node_support import (
+    LATCHED,
+    RELIABLE,
+    Answers,
+    end_process,
+    hear_until,
+    now_s,
+    parameter,
+    start_ros,
+)
+from sar_estimator.plane import Pose
 from sar_sim.autopilot_link import AutopilotLink
 from sar_sim.autopilot_server import AutopilotServer
 from sar_sim.pacer import AutopilotPacer, Pacer, RealTimePacer
 from sar_sim.scenario import Scenario, load_scenario
 from sar_sim.texts import corner_truth_text, scenario_text
 from sar_sim.tracks import load_track
-from sar_sim.waiting import Answers, await_helicopter
 from sar_sim.world import World
 
 STEPS_PER_TRUTH = 2
@@ -44,6 +55,7 @@ SPIN_PERIOD_S = 0.02
 LONGEST_WAIT_S = 0.02
 ENGAGE_PERIOD_S = 0.5
 SETTLE_S = 2.0
+FLYING_MPS = 5.0
 
 
 class SimNode(Node):
@@ -95,8 +107,20 @@ class SimNode(Node):
 
     def _make_world(self, scenario: Scenario, track: str) -> World:
         if self._live:
-            return World(scenario, live=await_helicopter(self))
+            return World(scenario, live=self._await_helicopter())
         return World(scenario, load_track(Path(track)) if track else None)
+
+    def _await_helicopter(self) -> tuple[Datum, Pose]:
+        """Wait until a real helicopter flies; the UAV begins at the scenario's lag behind it."""
+        self.get_logger().info(f"waiting for a helicopter in flight on {topics.FIX}")
+        topic, datum = topics.HELICOPTER_ODOMETRY, topics.DATUM
+        heard = hear_until(
+            self,
+            [(NavSatFix, datum, LATCHED), (Odometry, topic, RELIABLE)],
+            lambda it: len(it) > 1 and odometry_to_motion(it[topic]).speed_mps > FLYING_MPS,
+        )
+        origin, pose = heard[datum], odometry_to_motion(heard[topic]).pose
+        return Datum(origin.latitude, origin.longitude, origin.altitude), pose
 
     def close(self) -> None:
         """Close the link."""
@@ -134,14 +158,14 @@ class SimNode(Node):
             self._publish_clock()
             self._listen(0.05)
             self._executor.spin_once(timeout_sec=0.0)
+            missing = answers.missing(time.monotonic())
             if self._link is not None:
                 self._link.report(self._world.time_s)
-            listeners = self._fix.get_subscription_count()
-            missing = answers.missing(time.monotonic())
-            if self._link is not None and not self._link.heard:
-                missing.append("bridge")
-            if not self._live and listeners < self._listeners:
-                missing.append(f"{self._listeners - listeners} of the listeners on {topics.FIX}")
+                if not self._link.heard:
+                    missing.append("bridge")
+            absent = 0 if self._live else self._listeners - self._fix.get_subscription_count()
+            if absent > 0:
+                missing.append(f"{absent} of the listeners on {topics.FIX}")
             if not self._engage.service_is_ready():
                 missing.append(f"the service {topics.ENGAGE}")
             if missing:
@@ -149,8 +173,8 @@ class SimNode(Node):
             elif time.monotonic() - (ready_s := min(ready_s, time.monotonic())) > SETTLE_S:
                 return
             if time.monotonic() > deadline:
-                absent = ", ".join(missing)
-                raise ValueError(f"not heard of within {self._patience_s} s: {absent}")
+                names = ", ".join(missing)
+                raise ValueError(f"not heard of within {self._patience_s} s: {names}")
 
     def _listen(self, timeout_s: float) -> None:
         if self._link is None:
