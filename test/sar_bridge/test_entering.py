@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sar_bridge.entering import LOOKED_AHEAD_S, STEP_S, Track
+from sar_bridge.entering import LOOKED_BEHIND_S, STEP_S, Track
 from sar_bridge.entry import entry_of
 from sar_bridge.follower import FollowerTuning
 from sar_bridge.mission_banks import MissionBanks, RunIn, Write
@@ -39,7 +39,7 @@ def flying():
     return pilot, banks
 
 
-def flown(pilot, seconds=LOOKED_AHEAD_S):
+def flown(pilot, seconds=LOOKED_BEHIND_S):
     out = []
     for _ in range(round(seconds / STEP_S)):
         pilot.step(0.05)
@@ -56,7 +56,7 @@ def test_a_list_is_flown_leg_by_leg_from_where_it_is_entered(points, again):
     here = pilot.motion
     places = points + np.array((here.x_m, here.y_m))
     entry = entry_of(places, here)
-    foretold = Track(places[entry.at :], entry.begin, here, TUNING)
+    foretold = Track(places[entry.at :], entry.begin, here, TUNING, until_m=0.0)
     for _ in range(1 + again):
         load_list(pilot, banks, places, DATUM)
     assert np.hypot(*(flown(pilot) - foretold.flown).T).max() < 8.0
@@ -68,7 +68,7 @@ def test_without_a_run_in_a_turn_is_flown_far_aside():
     here = pilot.motion
     places = TURN + np.array((here.x_m, here.y_m))
     entry = entry_of(places, here)
-    foretold = Track(places[entry.at :], entry.begin, here, TUNING)
+    foretold = Track(places[entry.at :], entry.begin, here, TUNING, until_m=0.0)
     pilot.load(waypoint_items(places, DATUM, 150.0))
     pilot.set_current(1 + entry.at)
     pilot.set_current(1 + entry.at)
@@ -76,7 +76,7 @@ def test_without_a_run_in_a_turn_is_flown_far_aside():
 
 
 def test_a_list_flown_alike_is_not_apart_and_another_is():
-    track = Track(STRAIGHT, (0.0, 0.0), HERE, TUNING)
+    track = Track(STRAIGHT, (0.0, 0.0), HERE, TUNING, until_m=0.0)
     assert track.apart_m(STRAIGHT, (0.0, 0.0)) == pytest.approx(0.0, abs=1e-9)
     assert track.apart_m(STRAIGHT * (-1.0, 1.0), (0.0, 0.0)) > 100.0
 
@@ -92,3 +92,18 @@ def test_a_jump_is_chosen_where_it_keeps_to_the_list_and_a_run_in_elsewhere():
     assert step.start == pilot.current + 1
     banks.fill(TURN + here, DATUM, pilot.current)
     assert isinstance(banks.join(pilot.current, pilot.motion, DATUM, **args), RunIn)
+
+
+def test_a_jump_behind_a_far_waypoint_that_lies_beyond_the_new_lists_turn_is_not_chosen():
+    """The last list's turn was foretold farther out: joined there, the UAV would turn too late."""
+    pilot, banks = flying()
+    here = np.array((pilot.motion.x_m, pilot.motion.y_m))
+    turn = TURN + here + np.array((220.0, 0.0))
+    load_list(pilot, banks, np.vstack((here, turn)), DATUM)
+    for _ in range(20):
+        pilot.step(0.05)
+    at = np.array((pilot.motion.x_m, pilot.motion.y_m))
+    for sooner_m, is_jump in ((37.0, False), (0.0, True)):
+        banks.fill(np.vstack((at, turn - (sooner_m, 0.0))), DATUM, pilot.current)
+        step = banks.join(pilot.current, pilot.motion, DATUM, within_s=0.5, tuning=TUNING)
+        assert isinstance(step, RunIn) is not is_jump

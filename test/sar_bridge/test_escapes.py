@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_bridge.escapes import CLIMB_MPS, HEADINGS, apart, climb_m, ends, worth
+from sar_bridge.escapes import CLIMB_MPS, TURNS_RAD, apart, climb_m, ends, worth
 from sar_bridge.follower import STEP_S
 from sar_bridge.helicopter_futures import Future
+from sar_estimator.plane import wrap_angle
 from sar_estimator.states import Motion
 
 TIMES = STEP_S * np.arange(81)
@@ -52,11 +53,14 @@ def test_of_two_ways_alike_in_the_least_the_one_that_leads_away_is_worth_more():
 @given(st.floats(-1e4, 1e4), st.floats(-1e4, 1e4), st.floats(-math.pi, math.pi))
 def test_the_ways_out_lead_all_around(x_m, y_m, course_rad):
     uav = Motion(0.0, x_m, y_m, 20.0 * math.cos(course_rad), 20.0 * math.sin(course_rad))
-    found = np.vstack(ends(uav, 1500.0)) - (x_m, y_m)
-    assert found.shape == (HEADINGS, 2)
-    assert np.hypot(*found.T) == pytest.approx(np.full(HEADINGS, 1500.0))
-    assert found.sum(axis=0) == pytest.approx((0.0, 0.0), abs=1e-6)
-    assert found[0] == pytest.approx(75.0 * np.array((uav.vx_mps, uav.vy_mps)))
+    ways = np.vstack(ends(uav, 1500.0)) - (x_m, y_m)
+    assert ways.shape == (len(TURNS_RAD), 2)
+    assert np.hypot(*ways.T) == pytest.approx(np.full(len(ways), 1500.0))
+    courses = np.arctan2(ways[:, 1], ways[:, 0])
+    turns = np.array([wrap_angle(course - course_rad) for course in courses])
+    assert turns == pytest.approx(TURNS_RAD)
+    assert np.abs(turns).max() < math.radians(160.0)  # behind, either way to turn is as good
+    assert np.diff(turns) == pytest.approx(np.full(len(turns) - 1, math.radians(30.0)))
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_bridge.follower import STEP_S, FollowerTuning, Route, follow
+from sar_bridge.follower import STEP_S, FollowerTuning, Route, follow, motion_at_end
 from sar_bridge.mission_items import waypoint_items
 from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose
@@ -44,6 +44,17 @@ def test_the_prediction_is_what_arduplane_flies(points):
     off = np.hypot(*(path - flown(points, 60.0)).T)
     assert off[: round(20.0 / STEP_S)].max() < 5.0
     assert off.max() < 12.0
+
+
+def test_a_path_can_be_left_where_it_ends():
+    """Followed in two pieces it is the same path, but for what its speed was rounded to."""
+    route = Route(CORNER, EAST)
+    whole = follow(EAST, route, tuning=TUNING, cruise_mps=20.0, horizon_s=20.0)
+    first = follow(EAST, route, tuning=TUNING, cruise_mps=20.0, horizon_s=5.0 + STEP_S)
+    at_5_s = motion_at_end(first, 5.0)
+    assert (at_5_s.time_s, at_5_s.x_m, at_5_s.y_m) == (5.0, *first[-2])
+    second = follow(at_5_s, route, tuning=TUNING, cruise_mps=20.0, horizon_s=15.0)
+    assert np.vstack((first[:-2], second)) == pytest.approx(whole, abs=3.0)
 
 
 def test_behind_the_list_it_loiters_clockwise():

@@ -120,6 +120,23 @@ def test_one_that_departs_faster_than_it_flew_before_may_hurry_on():
     assert found["hurries on"].positions[-1, 0] > found["speeds up"].positions[-1, 0] + 100.0
 
 
+@pytest.mark.parametrize(("away_m", "leaves"), [(5.0, False), (60.0, True)])
+def test_one_that_is_said_to_stand_and_is_away_from_its_stop_is_leaving(away_m, leaves):
+    first = pattern().corners[0]
+    now = first.stop_time_s + 4.0
+    helicopter = Helicopter(HABITS)
+    helicopter.phase = Phase.STOPPED
+    helicopter.corner = corner_of(first, first.stop_time_s + 1.0)
+    speed = math.sqrt(2.0 * 3.4 * away_m)
+    west = Motion(now, first.stop.x_m - away_m, first.stop.y_m, -speed, 0.0)
+    helicopter.set_motion(west, 3.0, 1.0)
+    found = {future.name: future for future in helicopter.futures(now, TIMES)}
+    assert {"stands", "leaves inside", "leaves outside", "leaves straight on"} <= set(found)
+    assert ("speeds up" in found) is leaves
+    if leaves:
+        assert found["speeds up"].positions[20, 0] < west.x_m - 190.0
+
+
 def test_a_helicopter_that_should_have_stopped_already_leaves_from_where_it_should():
     """Its own course means nothing by then, and the phase is told a little late."""
     first = pattern().corners[0]

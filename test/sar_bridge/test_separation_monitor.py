@@ -177,9 +177,9 @@ def test_a_list_counts_as_flown_when_the_autopilot_has_it():
     assert bench.monitor._flown.points[0, 1] == -350.0
 
 
-def crossing():
+def crossing(**changes):
     """Return a bench with a UAV that meets the helicopter in 30 s."""
-    bench = Bench(uav=(600.0, -600.0))
+    bench = Bench(uav=(600.0, -600.0), **changes)
     bench.uav = bench.uav._replace(vx_mps=0.0, vy_mps=20.0)
     bench.tell()
     bench.monitor.set_flown(np.array([[600.0, 3000.0]]))
@@ -215,6 +215,18 @@ def test_a_uav_that_is_led_into_the_helicopter_is_sent_away():
     way = escape.points[0] - (600.0, -400.0)
     assert np.hypot(*way) > 1000.0
     assert way[1] < 0.5 * np.hypot(*way)  # not on across the helicopter's way
+
+
+def test_an_escape_is_predicted_to_begin_when_the_uav_will_have_been_told():
+    least = []
+    for delay_s in (0.0, 1.0, 3.0):
+        bench = crossing(escape_delay_s=delay_s)
+        escape = until_sent_away(bench)
+        begins = np.array((bench.uav.x_m, bench.uav.y_m))
+        begins = begins + delay_s * np.array((bench.uav.vx_mps, bench.uav.vy_mps))
+        assert np.hypot(*(escape.points[0] - begins)) == pytest.approx(1500.0, abs=1.0)
+        least.append(escape.predicted_m)
+    assert least[0] > least[1] + 5.0 > least[2] + 10.0
 
 
 def test_nothing_else_passes_while_the_uav_is_sent_away_and_then_it_does():
@@ -446,6 +458,7 @@ def test_thresholds_are_shares_of_the_least_separation():
         ({"horizon_s": math.nan}, "horizon_s = nan: expected 0 or more"),
         ({"escape_horizon_s": 50.0}, "escape_horizon_s = 50.0: expected at most"),
         ({"horizon_s": 500.0}, "and that at most 300"),
+        ({"escape_delay_s": 25.0}, "escape_delay_s = 25.0: expected at most escape_horizon_s = 20"),
     ],
 )
 def test_bad_parameters_are_named(changes, message):

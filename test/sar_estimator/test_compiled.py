@@ -16,7 +16,8 @@ uav = Motion(0.0, 0.0, 0.0, 20.0, 0.0)
 points = np.array([[60.0, 5.0], [150.0, -40.0], [200.0, -200.0], [200.0, -900.0]])
 tuning = FollowerTuning(15.0)
 path = follow(uav, Route(points, uav), tuning=tuning, cruise_mps=None, wind_mps=(3.0, 1.0))
-apart_m = Track(points, (0.0, 0.0), uav, tuning).apart_m(points[1:], (50.0, 0.0))
+track = Track(points, (0.0, 0.0), uav, tuning, until_m=0.0)
+apart_m = track.apart_m(points[1:], (50.0, 0.0))
 print("numba" in sys.modules, *path[-1].round(6), round(apart_m, 6))
 """
 

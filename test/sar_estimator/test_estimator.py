@@ -91,6 +91,32 @@ def test_covariance_is_honest_on_a_leg():
     assert np.std(ratios) < 1.5
 
 
+def test_the_leg_has_the_newest_fixes_too_while_they_do_not_look_like_slowing():
+    newest, off = [], []
+    for seed in range(20):
+        for t, estimator in fly(1e9, sigma=3.0, seed=seed, until=40):
+            if t > 12.0:
+                leg = estimator.leg
+                newest.append(leg.time_s == pytest.approx(t, abs=1e-6))
+                ahead = leg.foot.offset(leg.speed_mps * (t - leg.time_s))
+                off.append((ahead.x_m - V * t) / leg.position_sigma_m)
+    assert np.mean(newest) > 0.8
+    assert np.sqrt(np.mean(np.square(off))) < 1.3
+
+
+def test_slowing_does_not_bend_the_leg():
+    """Nor what the planner is told of it until the slowing is seen."""
+    slow = []
+    for seed in range(40):
+        for t, estimator in fly(30.0, sigma=3.0, seed=seed, until=40, turn=False):
+            if t > 30.0 and estimator.phase(t) is Phase.CRUISE:
+                slow.append(estimator.leg.speed_mps - V)
+            if estimator.phase(t) is Phase.DECELERATING:
+                assert estimator.leg.time_s < 30.5
+    assert np.mean(slow) > -0.3
+    assert np.min(slow) > -1.5
+
+
 def test_corner_is_predicted_refined_and_left():
     onset = 60.0
     phases, errors = [], []

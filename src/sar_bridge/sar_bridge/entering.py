@@ -16,34 +16,41 @@ from sar_bridge.kernels import fly_in
 from sar_estimator.states import FloatArray, Motion
 
 STEP_S = 0.1
-LOOKED_AHEAD_S = 8.0
+LOOKED_BEHIND_S = 8.0
 WORTH_M = 1.0
 
 
 class Track:
     """The track of a UAV that flies a list, shape (n, 2) [m], leg by leg, the first from a place.
 
-    ``begin``: of the leg to the first point.
+    ``begin``: of the leg to the first point. It is flown until ``LOOKED_BEHIND_S`` after the UAV
+    can be ``until_m`` [m] away: what is compared are the turns behind the place of the jump.
     """
 
     def __init__(
-        self, points: FloatArray, begin: Point, uav: Motion, tuning: FollowerTuning
+        self,
+        points: FloatArray,
+        begin: Point,
+        uav: Motion,
+        tuning: FollowerTuning,
+        *,
+        until_m: float,
     ) -> None:
         """Fly it."""
         self._uav = uav
+        self._steps = round((until_m / max(uav.speed_mps, 1.0) + LOOKED_BEHIND_S) / STEP_S)
         self._handling = handling(uav, tuning, STEP_S)
         self.flown = self._fly(points, begin)
 
     def apart_m(self, points: FloatArray, begin: Point) -> float:
         """Return how far apart the UAV gets that flies other points, the first leg from ``begin``.
 
-        [m], within ``LOOKED_AHEAD_S``.
+        [m], in the time that is looked at.
         """
         apart = self._fly(points, begin) - self.flown
         return math.sqrt(float(np.square(apart).sum(axis=1).max()))
 
     def _fly(self, points: FloatArray, begin: Point) -> FloatArray:
         """Return where the UAV comes, shape (n, 2) [m], every ``STEP_S``."""
-        steps = round(LOOKED_AHEAD_S / STEP_S)
         ahead = np.ascontiguousarray(points, dtype=np.float64)
-        return fly_in(ahead, np.array(begin), level(self._uav), self._handling, steps)
+        return fly_in(ahead, np.array(begin), level(self._uav), self._handling, self._steps)

@@ -17,7 +17,7 @@ from sar_bridge.follower import STEP_S
 from sar_bridge.helicopter_futures import Future
 from sar_estimator.states import FloatArray, Motion
 
-HEADINGS = 12
+TURNS_RAD = np.radians(np.arange(-150.0, 151.0, 30.0))
 CLIMB_MPS = 2.5
 AWAY_SHARE = 0.02
 
@@ -82,8 +82,11 @@ def worth(near: list[Apart], sigmas: float, possible_s: float) -> Worth:
 
 
 def ends(uav: Motion, reach_m: float) -> list[FloatArray]:
-    """Return the ends of the ways out, each of shape (1, 2) [m]: straight away, all around."""
-    courses = uav.course_rad + 2.0 * math.pi * np.arange(HEADINGS) / HEADINGS
+    """Return the ends of the ways out, each of shape (1, 2) [m]: straight away, all around.
+
+    None straight behind: to there the autopilot chooses which way it turns.
+    """
+    courses = uav.course_rad + TURNS_RAD
     here = np.array((uav.x_m, uav.y_m))
     reach = reach_m * np.column_stack((np.cos(courses), np.sin(courses)))
     return [here[None, :] + way[None, :] for way in reach]

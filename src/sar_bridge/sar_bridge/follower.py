@@ -124,6 +124,12 @@ class Route:
         return (uav.vx_mps * way_x + uav.vy_mps * way_y) / length > 0.5 * uav.speed_mps
 
 
+def motion_at_end(path: FloatArray, time_s: float) -> Motion:
+    """Return the motion at the last but one of a path's positions, shape (n >= 2, 2) [m]."""
+    (x, y), (next_x, next_y) = path[-2:].tolist()
+    return Motion(time_s, x, y, (next_x - x) / STEP_S, (next_y - y) / STEP_S)
+
+
 def handling(
     uav: Motion,
     tuning: FollowerTuning,

@@ -242,12 +242,16 @@ class Helicopter:
         inside = self.habits.inside_rad
         still = np.full_like(times, self._position_sigma_m)
         spread = self._ramp_spread(times)
-        return [
+        found = [
             Future("stands", _along(here, np.zeros_like(times)), still, likely=True),
             Future("leaves inside", self._turned(stop, -since, times, inside), spread, likely=True),
             Future("leaves outside", self._turned(stop, 0.0, times, -inside), spread),
             Future("leaves straight on", self._turned(stop, 0.0, times, 0.0), spread),
         ]
+        away = math.hypot(here.x_m - stop.x_m, here.y_m - stop.y_m)
+        if away > CONTRADICTION * math.hypot(self._position_sigma_m, STOP_SIGMA_M):
+            found += self._departing(motion, ahead_s, now_s, times)
+        return found
 
     def _departing(
         self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray

@@ -167,7 +167,8 @@ class MissionBanks:
         entry = entry_of(points, uav.after(within_s))
         lead = self._lead(current, uav, within_s)
         if lead is not None:
-            track = Track(points[entry.at :], entry.begin, uav, tuning)
+            away_m = math.dist(_place(lead.through[-1]), (uav.x_m, uav.y_m))
+            track = Track(points[entry.at :], entry.begin, uav, tuning, until_m=away_m)
             legs = np.vstack((*lead.through, points[lead.joined :]))
             if track.apart_m(legs, lead.begin) > WORTH_M:
                 lead = None

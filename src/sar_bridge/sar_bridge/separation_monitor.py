@@ -19,7 +19,7 @@ import numpy as np
 
 from sar_bridge import kernels
 from sar_bridge.escapes import Apart, Escape, Worth, apart, climb_m, ends, worth
-from sar_bridge.follower import STEP_S, FollowerTuning, Route, Vector, follow
+from sar_bridge.follower import STEP_S, FollowerTuning, Route, Vector, follow, motion_at_end
 from sar_bridge.helicopter_futures import Future, Habits, Helicopter
 from sar_estimator.states import FloatArray, Motion, Phase
 
@@ -58,9 +58,10 @@ class MonitorParameters:
     against it; or in what is likely within ``escape_horizon_s``, the doubt in its favour, and the
     planner has not led it elsewhere for ``escape_after_s``. None for a share of
     ``min_separation_m``. ``clear_s``: how long all must be well before the planner leads again.
-    ``escape_climb_m``: how far an escape climbs where that separates more. ``escape_reach_m``: how
-    far away it ends. ``stale_s``: the age of a position from which on no list passes; ``lost_s``:
-    for how long nothing sure may be known of the helicopter before the UAV is sent away.
+    ``escape_delay_s``: from the choice of an escape until the UAV turns. ``escape_climb_m``: how
+    far it climbs where that separates more. ``escape_reach_m``: how far away it ends. ``stale_s``:
+    the age of a position from which on no list passes; ``lost_s``: for how long nothing sure may
+    be known of the helicopter before the UAV is sent away.
     ``watch_only``: say all this and do nothing, to see what a planner does by itself.
     """
 
@@ -78,6 +79,7 @@ class MonitorParameters:
     alert_after_s: float = 2.0
     escape_after_s: float = 4.0
     clear_s: float = 5.0
+    escape_delay_s: float = 1.0
     escape_climb_m: float = 40.0
     escape_reach_m: float = 1500.0
     stale_s: float = 3.0
@@ -97,6 +99,11 @@ class MonitorParameters:
                     f"parameter {lower} = {least:g}: expected more than 0, at most {upper} = "
                     f"{most:g}"
                 )
+        if self.escape_delay_s > self.escape_horizon_s:
+            raise ValueError(
+                f"parameter escape_delay_s = {self.escape_delay_s}: expected at most "
+                f"escape_horizon_s = {self.escape_horizon_s}"
+            )
         if not STEP_S <= self.escape_horizon_s <= self.alert_horizon_s <= self.horizon_s <= 300.0:
             raise ValueError(
                 f"parameter escape_horizon_s = {self.escape_horizon_s}: expected at most "
@@ -301,17 +308,15 @@ class SeparationMonitor:
             return min(likely, any_soon, key=_distance)
         return likely if likely.distance_m < p.min_separation_m else NO_APPROACH
 
-    def _path(
-        self, route: Route, now_s: float, horizon_s: float, *, sent: bool = False
-    ) -> FloatArray:
+    def _path(self, route: Route, now_s: float, horizon_s: float) -> FloatArray:
         """Return where the UAV will be on a route, at the monitor's times from now on.
 
         It is taken to go to the speed planned for the route, or the helicopter's, as it is led,
-        while it is seen to; where it does not, or is ``sent`` away, to keep its airspeed.
+        while it is seen to; where it does not, or is sent away, to keep its airspeed.
         """
         uav = self.uav
         assert uav is not None
-        led = not sent and self.escape is None and abs(self._off_mps) < LED_MPS
+        led = self.escape is None and abs(self._off_mps) < LED_MPS
         late_s = min(max(now_s - uav.time_s, 0.0), self.parameters.lost_s)
         skipped = round(late_s / STEP_S)
         path = follow(
@@ -465,12 +470,22 @@ class SeparationMonitor:
 
     def _best_way(self, futures: list[Future], now_s: float) -> tuple[Escape, float]:
         """Return the escape that is worth most, at this height or climbing, and its worth [m]."""
-        assert self.uav is not None
+        assert self._flown is not None
         p = self.parameters
+        delay_s = STEP_S * round(p.escape_delay_s / STEP_S)
+        flown = self._path(self._flown, now_s, delay_s + STEP_S)
+        here = motion_at_end(flown, now_s + delay_s)
         found = []
-        for end in ends(self.uav, p.escape_reach_m):
-            path = self._path(Route(end, self.uav), now_s, p.alert_horizon_s, sent=True)
-            near = self._apart(path, futures)
+        for end in ends(here, p.escape_reach_m):
+            away = follow(
+                here,
+                Route(end, here),
+                tuning=self.tuning,
+                cruise_mps=None,
+                wind_mps=self.wind_mps,
+                horizon_s=p.alert_horizon_s - delay_s,
+            )
+            near = self._apart(np.vstack((flown[:-2], away)), futures)
             found.append((self._worth(near), near, end))
         best, near, end = max(found, key=lambda way: way[0].value_m)
         climb = climb_m(near, self.above_m, p.escape_climb_m)

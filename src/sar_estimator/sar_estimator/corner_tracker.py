@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from sar_estimator.corner_detector import AccelPrior, StopPosterior, stop_posterior
-from sar_estimator.leg import LegFit, LegRow, LegTracker
+from sar_estimator.leg import MISFIT_LIMIT, LegFit, LegRow, LegTracker, fit_rows
 from sar_estimator.parameters import EstimatorParameters
 from sar_estimator.states import CornerEstimate, FloatArray, LegEstimate, Motion, Phase
 
@@ -104,6 +104,14 @@ class CornerTracker:
             self._rows_from_s = oldest
             self.phase = Phase.DECELERATING
             self._publish(self._infer(rows, onset_range), motion.time_s)
+        elif posterior.log_bayes_factor < 0.0:
+            self._tell_all(rows)
+
+    def _tell_all(self, rows: FloatArray) -> None:
+        """Tell the leg as all its rows have it, the newest too: none looks like slowing."""
+        fit, misfit = fit_rows(rows)
+        if misfit < MISFIT_LIMIT:
+            self.leg = fit.estimate()
 
     def _infer(
         self,
