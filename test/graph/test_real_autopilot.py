@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from sar_bridge.mission_banks import BANK_ITEMS, BANKS
+from sar_bridge.mission_items import waypoint_items
 from sar_estimator import topics
 from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose
@@ -120,6 +121,36 @@ def test_engage_release_engage_and_return_home(launch):
     flight.process.terminate()
     code, _, errors = flight.wait()
     assert (code, errors) == (0, "")
+
+
+def test_one_command_takes_a_uav_in_auto_into_formation_and_leaves_it_to_who_takes_it(launch):
+    port = free_port()
+    vehicle = Vehicle(port)
+    pilot = vehicle.autopilot
+    datum = Scenario().datum
+    ahead = waypoint_items(
+        np.array([(250.0, 20000.0)]), Datum(datum.latitude_deg, datum.longitude_deg), 150.0
+    )
+    pilot.load(ahead)
+    pilot.set_current(1)
+    pilot.set_mode(FlightMode.AUTO)
+    flight = launch("--autopilot", f"udp:127.0.0.1:{port}", "--engage")
+    vehicle.start()
+    try:
+        await_true(lambda: len(pilot.items) >= 1 + BANKS * BANK_ITEMS)
+        assert pilot.mode is FlightMode.AUTO
+        pilot.set_mode(FlightMode.LOITER)  # the pilot takes it, and keeps it
+        time.sleep(2.0)
+        pilot.set_mode(FlightMode.GUIDED)
+        time.sleep(8.0)
+        assert pilot.mode is FlightMode.GUIDED
+    finally:
+        vehicle.running = False
+        vehicle.join(timeout=5.0)
+    flight.process.terminate()
+    code, output, errors = flight.wait()
+    assert (code, errors) == (0, "")
+    assert output.count("engage: engaged\n") == 1
 
 
 def test_a_planner_that_hangs_stops_the_heartbeats_until_it_is_started_again(launch):

@@ -18,6 +18,8 @@ from ament_index_python.packages import get_package_prefix
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+from std_srvs.srv import Trigger
 
 from sar_bridge.link import opener
 from sar_estimator import topics
@@ -44,6 +46,7 @@ RESTARTS = 5
 SETTLED_S = 3.0
 HANGS_S = 10.0
 SILENT_S = 2.0
+ASK_AGAIN_S = 3.0
 FAULT_SIGNALS = {"kill": signal.SIGKILL, "stop": signal.SIGSTOP, "go on": signal.SIGCONT}
 
 
@@ -102,6 +105,35 @@ class Watcher(Node):
         ]
         worst = next((f"{name}: {text}" for name, text in self.problems.items() if text), "")
         return "  ".join([*parts, worst]).rstrip()
+
+
+class Engaging:
+    """Asks the planner to engage until it has once; then never again, whoever takes the UAV."""
+
+    def __init__(self, node: Node) -> None:
+        """Nothing is asked yet."""
+        self._client = node.create_client(Trigger, topics.ENGAGE)
+        self._asked: Future | None = None
+        self._asked_s = -math.inf
+        self._refused = ""
+        self.done = False
+
+    def ask(self) -> str:
+        """Ask when it is time; return what is to be told: a new refusal, or that it is engaged."""
+        if self.done:
+            return ""
+        told = ""
+        if self._asked is not None and self._asked.done():
+            answer = self._asked.result()
+            self._asked = None
+            self.done = bool(answer.success)
+            if self.done or answer.message != self._refused:
+                told = self._refused = answer.message
+        now = time.monotonic()
+        if not self.done and now - self._asked_s > ASK_AGAIN_S and self._client.service_is_ready():
+            self._asked_s = now
+            self._asked = self._client.call_async(Trigger.Request())
+        return told
 
 
 class Flight:
@@ -167,7 +199,7 @@ class Flight:
         """Return a node that has ended, None while all run."""
         return next((node for node in self.nodes if node.exit_code is not None), None)
 
-    def watch(self, watcher: Watcher) -> NodeProcess | None:
+    def watch(self, watcher: Watcher, engaging: Engaging | None) -> NodeProcess | None:
         """Show progress until a node ends for good or a signal comes; return the node."""
         terminal = sys.stdout.isatty()
         told = 0.0
@@ -176,6 +208,9 @@ class Flight:
             if ended is not None and not self.restart(ended):
                 return ended
             rclpy.spin_once(watcher, timeout_sec=0.1)
+            answer = engaging.ask() if engaging is not None else ""
+            if answer:
+                sys.stdout.write(f"\nengage: {answer}\n" if terminal else f"engage: {answer}\n")
             self._befall(watcher.time_s(self._speed))
             for node in self.nodes:
                 if node.name in NODES and node.age_s > HANGS_S and watcher.hangs(node.name):
@@ -218,6 +253,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--autopilot", default="", metavar="URL", help="udp:H:P, tcp:H:P or /dev/NAME,BAUD"
     )
+    parser.add_argument(
+        "--engage", action="store_true", help="lead that autopilot's UAV as soon as it can be led"
+    )
     parser.add_argument("--no-sim", action="store_true", help="nothing simulated: a real flight")
     parser.add_argument("--params", type=Path, help="node parameters, default config/params.yaml")
     parser.add_argument("--setup", action="store_true", help="only set up and build")
@@ -236,6 +274,7 @@ def prepare(args: argparse.Namespace) -> Flight:
         args.speed,
         simulation=not args.no_sim,
         watch_only=args.watch_only,
+        engage=args.engage,
     )
     if options.autopilot:
         opener(options.autopilot)
@@ -265,12 +304,13 @@ def main(argv: list[str] | None = None) -> int:
         return 2
     start_ros(signal_handler_options=SignalHandlerOptions.NO)
     watcher = Watcher()
+    engaging = Engaging(watcher) if args.engage else None
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, flight.on_signal)
     failed = None
     try:
         flight.start()
-        ended = flight.watch(watcher)
+        ended = flight.watch(watcher, engaging)
         if ended is not None and not (ended.name == "sim" and ended.exit_code == 0):
             failed = ended
     finally:

@@ -16,7 +16,8 @@ class FlightOptions:
 
     ``helicopter``: ``sim``, ``topic``, or the path of a track. ``autopilot``: a URL, empty for the
     simulated UAV. ``speed``: times real time, None for the default. ``watch_only``: the monitor
-    says what it sees and does nothing.
+    says what it sees and does nothing. ``engage``: an autopilot that is not simulated here is
+    engaged as soon as the planner agrees.
     """
 
     helicopter: str = "sim"
@@ -25,6 +26,7 @@ class FlightOptions:
     speed: float | None = None
     simulation: bool = True
     watch_only: bool = False
+    engage: bool = False
 
     def __post_init__(self) -> None:
         """Refuse combinations that make no flight."""
@@ -34,6 +36,10 @@ class FlightOptions:
             raise ScenarioError("--no-sim: expected --helicopter topic, a live GPS fix")
         if self.watch_only and not self.simulation:
             raise ScenarioError("--watch-only: expected a simulation, not a real flight")
+        if self.engage and not self.simulation:
+            raise ScenarioError("--engage: expected a simulation; in a flight the operator engages")
+        if self.engage and not self.autopilot:
+            raise ScenarioError("--engage: expected --autopilot URL; the simulated UAV is engaged")
         if self.rules == "follow" and not self.simulation:
             raise ScenarioError("--rules follow keeps no separation: expected a simulation")
         if self.speed is not None and not 0.0 < self.speed <= 100.0:
