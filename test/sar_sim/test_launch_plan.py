@@ -80,6 +80,10 @@ def test_recorded_track():
             },
             "--engage: expected a simulation; in a flight the operator engages",
         ),
+        (
+            {"autopilot": "udp:1.2.3.4:5", "helicopter": "topic", "engage": True},
+            "--engage: expected a simulation",
+        ),
         ({"engage": True}, "--engage: expected --autopilot URL"),
         ({"speed": 0.0}, "--speed 0.0"),
         ({"speed": 5.0, "helicopter": "topic"}, "--speed 5.0: a live helicopter flies at 1"),

@@ -36,7 +36,7 @@ class FlightOptions:
             raise ScenarioError("--no-sim: expected --helicopter topic, a live GPS fix")
         if self.watch_only and not self.simulation:
             raise ScenarioError("--watch-only: expected a simulation, not a real flight")
-        if self.engage and not self.simulation:
+        if self.engage and self.live:
             raise ScenarioError("--engage: expected a simulation; in a flight the operator engages")
         if self.engage and not self.autopilot:
             raise ScenarioError("--engage: expected --autopilot URL; the simulated UAV is engaged")
