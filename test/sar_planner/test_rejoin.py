@@ -113,3 +113,13 @@ def test_the_soonest_capture_is_that_of_all_of_its_kind(start, name):
         assert problem.detours_m(row)[0] == pytest.approx(search.task.ahead_m, abs=1e-6)
         assert row.ends[0, 1] == pytest.approx(0.0, abs=1e-6)
     assert compared > 5
+
+
+def test_a_way_that_hugs_the_moving_disc_is_looked_for():
+    # Beside a helicopter that still slows for its corner: 343 s without a first turn more.
+    stop = Pose(0.0, 250.0, math.pi / 2)
+    corner = cornering(-0.2166, stop, speed_mps=20.0, accel_mps2=2.5)
+    start = Pose(-285.8, 341.31, 0.0375)
+    plan = rejoin(RejoinTask(start, 0.0, (corner,), 100.0, 18.0, 22.0, 205.0))
+    assert plan.kept
+    assert plan.duration_s < 200.0

@@ -6,7 +6,9 @@ where the slot will be then, flown at the constant speed that arrives in time, w
 the UAV's limits. *Captures* (``captures``): two or three headings on a grid, the straights solved
 for arriving on the slot at the fastest or the slowest speed. Words are the quickest where nothing
 is in the way; captures lead around the helicopter. From points along the path found it is looked
-again, at the other speed: what is sooner then takes the rest's place.
+again, at the other speed: what is sooner then takes the rest's place. Where the helicopter costs
+much, it is looked again behind first turns on a grid, too: a way that hugs what is kept free while
+the helicopter moves can have more turns than captures have.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from sar_estimator.plane import Pose
 from sar_planner.captures import CaptureProblem, PathBatch, radii_m, turn_to
 from sar_planner.dubins import lengths_m, words
 from sar_planner.forecast import Forecast, tables_of
-from sar_planner.geometry import FlightPath, FloatArray
+from sar_planner.geometry import Arc, FlightPath, FloatArray
 from sar_planner.kernels import soonest_capture
 from sar_planner.separation import closest_over_time, least_of_all_m, sampling_slack_m
 
@@ -35,6 +37,8 @@ TRIED = 640
 FARTHEST = 200
 SLACK_S = 60.0
 LOOKED_AGAIN = (0.1, 0.2, 0.35, 0.5, 0.6, 0.7, 0.8)
+COSTLY_SHARE = 2.0
+FIRST_TURNS_RAD = tuple(math.radians(angle) for angle in (30, -30, 60, -60, 90, -90, 120, -120))
 SOON_ENOUGH = 1.03
 ENTRY_STEP_S = 0.05
 ENTRIES_SHARE = 2.0
@@ -315,29 +319,33 @@ class _Search:
 
 def rejoin(task: RejoinTask) -> RejoinPlan | None:
     """Return the soonest path found onto the slot, or None where no path meets it at all."""
-    plan, quick = _one_search(task)
-    if plan is None or quick or not plan.kept:
+    plan, soonest_s, is_soon = _one_search(task)
+    if plan is None or is_soon or not plan.kept:
         return plan
+    if plan.duration_s > COSTLY_SHARE * soonest_s:
+        for turn_rad in FIRST_TURNS_RAD:
+            first = FlightPath(task.start, (Arc(task.turn_radius_m, turn_rad),))
+            plan = _looked_again(task, plan, first, first.length_m / task.fastest_mps)
     for share in LOOKED_AGAIN:
-        plan = _looked_again(task, plan, share)
+        first = plan.path.cut(0.0, share * plan.path.length_m)
+        plan = _looked_again(task, plan, first, share * plan.duration_s)
     return plan
 
 
-def _looked_again(task: RejoinTask, plan: RejoinPlan, share: float) -> RejoinPlan:
-    """Return a sooner plan whose first ``share`` is the plan's, else the plan.
+def _looked_again(
+    task: RejoinTask, plan: RejoinPlan, first: FlightPath, flown_s: float
+) -> RejoinPlan:
+    """Return a sooner plan that begins with ``first``, flown in ``flown_s``, else the plan.
 
     Such a path can have more turns than one search tries. It is flown at one speed, too.
     """
-    from_m = share * plan.path.length_m
-    flown_s = share * plan.duration_s
-    begin = plan.path.pose_at(from_m)
-    rest, _ = _one_search(replace(task, start=begin, start_s=task.start_s + flown_s))
+    rest, _, _ = _one_search(replace(task, start=first.end, start_s=task.start_s + flown_s))
     if rest is None or not rest.kept:
         return plan
     duration_s = flown_s + rest.duration_s
     if duration_s >= plan.duration_s - WORTHWHILE_S:
         return plan
-    path = plan.path.cut(0.0, from_m).then(rest.path)
+    path = first.then(rest.path)
     speed = path.length_m / duration_s
     closest = min(
         closest_over_time(path, forecast, start_s=task.start_s, speed_mps=speed).distance_m
@@ -353,8 +361,11 @@ def _soonest_s(task: RejoinTask, rows: FloatArray, speeds: FloatArray) -> float:
     return float((lengths_m(rows, task.turn_radius_m) / speeds).min(initial=math.inf))
 
 
-def _one_search(task: RejoinTask) -> tuple[RejoinPlan | None, bool]:
-    """Return the soonest path of the two kinds, and whether it is about the soonest there is."""
+def _one_search(task: RejoinTask) -> tuple[RejoinPlan | None, float, bool]:
+    """Return the soonest path of the two kinds, and whether it is about the soonest there is.
+
+    Between them the time [s] of the soonest word, whatever separation it keeps.
+    """
     search = _Search(task)
     coarse = timed_words(task)
     soonest = _soonest_s(task, *coarse)
@@ -369,7 +380,7 @@ def _one_search(task: RejoinTask) -> tuple[RejoinPlan | None, bool]:
         quick = _Found(word_rows[:QUICK], word_speeds[:QUICK])
         index = search.first_kept(quick, before_s=QUICK_SHARE * soonest + STEP_S)
         if index is not None:
-            return search.plan(quick.rows[index], float(quick.speeds[index])), True
+            return search.plan(quick.rows[index], float(quick.speeds[index])), soonest, True
     index = search.first_kept(found)
     best: _Capture | None = None
     word_s = math.inf
@@ -386,7 +397,7 @@ def _one_search(task: RejoinTask) -> tuple[RejoinPlan | None, bool]:
         everything = _Found(
             np.vstack((found.rows, captured.rows)), np.concatenate((found.speeds, captured.speeds))
         )
-        return _farthest(search, everything), False
+        return _farthest(search, everything), soonest, False
     begun = [search.soonest(*kind, headings, REFINED_SHARE * first_s) for kind in kinds]
     refined = [search.refine(one) for one in begun if one is not None]
     refined.sort(key=lambda capture: capture.time_s)
@@ -396,8 +407,9 @@ def _one_search(task: RejoinTask) -> tuple[RejoinPlan | None, bool]:
             best = polished
     if best is None:
         assert index is not None
-        return search.plan(found.rows[index], float(found.speeds[index])), False
-    return search.plan(best.row, best.speed_mps), best.time_s <= SOON_ENOUGH * soonest
+        return search.plan(found.rows[index], float(found.speeds[index])), soonest, False
+    is_soon = best.time_s <= SOON_ENOUGH * soonest
+    return search.plan(best.row, best.speed_mps), soonest, is_soon
 
 
 def _farthest(search: _Search, found: _Found) -> RejoinPlan | None:
