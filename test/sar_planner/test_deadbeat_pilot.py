@@ -244,6 +244,19 @@ def test_wind_and_the_autopilots_parameters_are_heeded():
     assert "expected 12 to 25" in plan.problem
     plan.set_wind((math.nan, 0.0))
     assert plan.wind_mps == (-8.0, 0.0)
+
+
+def test_the_autopilot_is_told_an_indicated_airspeed():
+    plan = on_leg(0.0)
+    plan.set_vehicle(Vehicle({"NAVL1_PERIOD": 15.0, "AIRSPEED_MIN": 12.0, "AIRSPEED_MAX": 25.0}))
+    plan.update(100.0)
+    told = plan.airspeed_mps
+    plan.set_status(replace(FLYING, airspeed_ratio=1.1))
+    assert plan.airspeed_mps == pytest.approx(told / 1.1)
+    plan.set_wind((-7.0, 0.0))
+    plan.update(100.1)
+    assert plan.airspeed_mps == pytest.approx(27.0 / 1.1)
+    assert plan.problem == ""
     plan.disengage()
     plan.set_vehicle(Vehicle({"AIRSPEED_MAX": 18.0}))
     assert "AIRSPEED_MAX = 18" in plan.engage(100.2)

@@ -1,8 +1,10 @@
 """What the planner publishes for RViz and Foxglove."""
 
+import pytest
+
 from sar_estimator.states import Motion
-from sar_planner.messages import TRACK_M, MarkerTracks
-from sar_planner.mission import MissionPlanner
+from sar_planner.messages import TRACK_M, MarkerTracks, status_from_text
+from sar_planner.mission import MissionPlanner, UavStatus
 from sar_planner.mission_parameters import MissionParameters
 from sar_planner.parameters import CornerParameters
 
@@ -26,3 +28,16 @@ def test_an_aircraft_never_seen_has_no_track():
     tracks = MarkerTracks()
     tracks.add("helicopter", None)
     assert shown(tracks)["helicopter"].points == []
+
+
+def test_status_of_an_older_bridge_has_no_airspeed_ratio():
+    assert status_from_text('{"mode": "AUTO", "armed": true, "connected": true}') == UavStatus(
+        "AUTO", armed=True, connected=True
+    )
+
+
+@pytest.mark.parametrize("ratio", ["0", "-1.0", "NaN", "3", '"one"', "null"])
+def test_an_airspeed_ratio_that_cannot_be_is_refused(ratio):
+    text = '{"mode": "AUTO", "armed": true, "connected": true, "airspeed_ratio": RATIO}'
+    with pytest.raises(ValueError, match=r"airspeed_ratio 0\.5 to 2"):
+        status_from_text(text.replace("RATIO", ratio))

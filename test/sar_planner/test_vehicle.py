@@ -18,13 +18,15 @@ GOOD = {
 }
 
 
-def refusal(wind=CALM, **changes):
-    return Vehicle(GOOD | changes).refusal(CORNER, MISSION, wind)
+def refusal(wind=CALM, ratio=1.0, **changes):
+    vehicle = Vehicle(GOOD | changes)
+    return vehicle.refusal(CORNER, MISSION, vehicle.air(wind, ratio))
 
 
 def test_a_good_one_is_flown_and_one_that_tells_nothing_too():
     assert refusal() == ""
-    assert Vehicle({}).refusal(CORNER, MISSION, CALM) == ""
+    nothing = Vehicle({})
+    assert nothing.refusal(CORNER, MISSION, nothing.air(CALM)) == ""
     assert Vehicle({}).tuning(MISSION) is None
     assert Vehicle(GOOD).tuning(MISSION).period_s == 15.0
 
@@ -48,6 +50,14 @@ def test_wind_that_the_uav_cannot_slow_down_in_asks_for_more_roll():
     assert "ROLL_LIMIT_DEG" in refusal((14.0, 0.0), ROLL_LIMIT_DEG=30.0)
 
 
+def test_high_up_the_same_indicated_airspeeds_are_faster():
+    assert refusal(ratio=1.15, AIRSPEED_MIN=17.0) == ""
+    assert "AIRSPEED_MIN = 18: expected at most V = 20 m/s (17.4 indicated)" in refusal(
+        ratio=1.15, AIRSPEED_MIN=18.0
+    )
+    assert refusal(ratio=1.15, AIRSPEED_MAX=18.0) == ""
+
+
 @pytest.mark.parametrize("name", ["FS_GCS_ENABL", "FS_LONG_ACTN"])
 def test_a_failsafe_that_does_nothing_is_told(name):
     assert f"{name} = 0" in Vehicle(GOOD | {name: 0.0}).warning()
@@ -55,6 +65,19 @@ def test_a_failsafe_that_does_nothing_is_told(name):
     assert Vehicle({}).warning() == ""
 
 
+@pytest.mark.parametrize("ratio", [1.0, 1.063, 1.1, 1.17])
+def test_what_is_told_is_within_the_autopilots_limits_to_the_bit(ratio):
+    vehicle = Vehicle(GOOD)
+    air = vehicle.air((40.0, 0.0), ratio)
+    assert vehicle.indicated_mps(air.airspeed_mps(0.0, 20.0), ratio) >= 12.0
+    assert vehicle.indicated_mps(air.airspeed_mps(0.0, 50.0), ratio) == 12.0
+    assert vehicle.indicated_mps(air.airspeed_mps(3.14, 20.0), ratio) == 28.0
+    assert vehicle.indicated_mps(20.0, ratio) == 20.0 / ratio
+    assert Vehicle({}).indicated_mps(20.0, ratio) == 20.0 / ratio
+
+
 def test_envelope_is_the_autopilots():
     air = Vehicle(GOOD).air((3.0, 0.0))
     assert (air.slowest_mps, air.fastest_mps, air.wind_mps) == (12.0, 28.0, (3.0, 0.0))
+    air = Vehicle(GOOD).air((3.0, 0.0), 1.1)
+    assert (air.slowest_mps, air.fastest_mps) == pytest.approx((13.2, 30.8))

@@ -196,3 +196,8 @@ def test_extra_path_is_measured(flown):
     metrics = write_report(flown[0] / "bag", Path(flown[0]))
     flown_m = np.array(metrics["extra_path_m"])
     assert np.abs(flown_m).max() < 1.0
+
+
+def test_high_up_the_uav_keeps_its_slot_as_at_sea_level():
+    high = replace(SHORT, uav=replace(SHORT.uav, airspeed_ratio=1.12))
+    assert lags(OfflineFlight(high)) == pytest.approx(lags(OfflineFlight(SHORT)), abs=0.05)

@@ -18,6 +18,9 @@ CLOCK_WINDOW = 50
 WIND_SILENCE_S = 10.0
 WIND_TIME_S = 15.0
 LEAST_AIRSPEED_MPS = 5.0
+RATIO_TIME_S = 20.0
+RATIO_STEP_S = 1.0
+RATIOS = (0.9, 1.35)
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,13 +68,17 @@ class BootClock:
 class WindState:
     """The wind: as the autopilot's WIND message tells it, else from track against heading.
 
-    ``vector_mps``: where it blows to, x and y [m/s], None while nothing is known.
+    ``vector_mps``: where it blows to, x and y [m/s], None while nothing is known. ``airspeed_mps``:
+    the indicated airspeed. ``airspeed_ratio``: the true one over it, some 1.05 at 1,000 m and 1.16
+    at 3,000 m in the standard atmosphere; learnt where the autopilot tells the wind, else 1. It
+    is kept within ``RATIOS``: a sensor that reads too low must not slow the UAV down.
     """
 
     def __init__(self) -> None:
         """Nothing is known yet."""
         self.vector_mps: tuple[float, float] | None = None
         self.airspeed_mps = 0.0
+        self.airspeed_ratio = 1.0
         self._told_s = self._seen_s = -math.inf
 
     def told(self, from_deg: float, speed_mps: float, monotonic_s: float) -> None:
@@ -82,16 +89,29 @@ class WindState:
         self._told_s = monotonic_s
 
     def seen(self, motion: Motion, yaw_rad: float, monotonic_s: float) -> None:
-        """Take a velocity over ground and a heading; used while the autopilot tells nothing."""
-        silent = monotonic_s - self._told_s > WIND_SILENCE_S
-        if not silent or not self.airspeed_mps > LEAST_AIRSPEED_MPS:
+        """Take a velocity over ground and a heading.
+
+        While the autopilot tells nothing they give the wind, else the airspeed ratio.
+        """
+        since_s = max(0.0, monotonic_s - self._seen_s)
+        self._seen_s = monotonic_s
+        if not self.airspeed_mps > LEAST_AIRSPEED_MPS:
+            return
+        if monotonic_s - self._told_s <= WIND_SILENCE_S:
+            self._learn_ratio(motion, since_s)
             return
         east = motion.vx_mps - self.airspeed_mps * math.cos(yaw_rad)
         north = motion.vy_mps - self.airspeed_mps * math.sin(yaw_rad)
-        share = -math.expm1(-max(0.0, monotonic_s - self._seen_s) / WIND_TIME_S)
-        self._seen_s = monotonic_s
+        share = -math.expm1(-since_s / WIND_TIME_S)
         was = self.vector_mps or (east, north)
         self.vector_mps = (was[0] + share * (east - was[0]), was[1] + share * (north - was[1]))
+
+    def _learn_ratio(self, motion: Motion, since_s: float) -> None:
+        assert self.vector_mps is not None
+        east, north = motion.vx_mps - self.vector_mps[0], motion.vy_mps - self.vector_mps[1]
+        ratio = min(max(math.hypot(east, north) / self.airspeed_mps, RATIOS[0]), RATIOS[1])
+        share = -math.expm1(-min(since_s, RATIO_STEP_S) / RATIO_TIME_S)
+        self.airspeed_ratio += share * (ratio - self.airspeed_ratio)
 
 
 class AutopilotState:

@@ -210,6 +210,7 @@ class BridgeNode(Node):
                     "armed": state.armed,
                     "connected": self._session.connected(now),
                     "led": self._session.leading,
+                    "airspeed_ratio": round(state.wind.airspeed_ratio, 3),
                 }
             )
         if text != self._told_state:

@@ -15,7 +15,10 @@ LEAST_TRIM = 0.02
 
 @dataclass(frozen=True, slots=True)
 class AirEnvelope:
-    """The UAV's airspeeds [m/s], and the wind it flies in, blowing towards ``wind_mps`` (x, y)."""
+    """The UAV's airspeeds [m/s], and the wind it flies in, blowing towards ``wind_mps`` (x, y).
+
+    Airspeeds are true ones.
+    """
 
     slowest_mps: float = 0.0
     fastest_mps: float = math.inf

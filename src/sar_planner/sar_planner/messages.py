@@ -34,6 +34,7 @@ from sar_planner.vehicle import Vehicle
 
 SPEED_STEP_MPS = 0.05
 TRACK_M = 20.0
+RATIOS = (0.5, 2.0)
 
 COLOURS = {
     "helicopter": (0.85, 0.35, 0.0, 1.0),
@@ -154,6 +155,13 @@ def status_outputs(planner: MissionPlanner) -> list[tuple[str, String | Float64]
     return found
 
 
+def _airspeed_ratio(values: dict[str, Any]) -> float:
+    ratio = float(values.get("airspeed_ratio", 1.0))
+    if not RATIOS[0] <= ratio <= RATIOS[1]:
+        raise ValueError(ratio)
+    return ratio
+
+
 def status_from_text(text: str) -> UavStatus:
     """Return the autopilot's status from its JSON. Raises ``ValueError`` when it is not one."""
     try:
@@ -163,9 +171,12 @@ def status_from_text(text: str) -> UavStatus:
             armed=bool(values["armed"]),
             connected=bool(values["connected"]),
             led=bool(values.get("led", False)),
+            airspeed_ratio=_airspeed_ratio(values),
         )
     except (KeyError, TypeError, ValueError) as error:
-        raise ValueError(f"{text[:80]!r}: expected mode, armed and connected") from error
+        raise ValueError(
+            f"{text[:80]!r}: expected mode, armed and connected, airspeed_ratio 0.5 to 2"
+        ) from error
 
 
 def monitor_from_text(text: str) -> MonitorStatus:

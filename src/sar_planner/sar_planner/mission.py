@@ -32,13 +32,15 @@ ENGAGE_MODES = ("AUTO", "GUIDED")
 class UavStatus:
     """What the autopilot says of itself: flight mode, arming, and whether it is heard.
 
-    ``led``: whether the bridge has a list of ours flown.
+    ``led``: whether the bridge has a list of ours flown. ``airspeed_ratio``: true airspeed over the
+    indicated one, which is what the autopilot is told.
     """
 
     mode: str = ""
     armed: bool = False
     connected: bool = False
     led: bool = False
+    airspeed_ratio: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,6 +137,7 @@ class MissionPlanner:
     def set_status(self, status: UavStatus) -> None:
         """Take the autopilot's status; a mode that somebody else chose ends the engagement."""
         self.status = status
+        self._set_air()
         if not self.engaged or not status.connected:
             return
         if status.mode not in ENGAGE_MODES or (self._in_auto and status.mode != "AUTO"):
@@ -155,13 +158,17 @@ class MissionPlanner:
         """Take what the autopilot says of the UAV."""
         self.vehicle = vehicle
         self._pilot.lists.tuning = vehicle.tuning(self.parameters)
-        self._pilot.lists.air = vehicle.air(self.wind_mps)
+        self._set_air()
 
     def set_wind(self, wind_mps: tuple[float, float]) -> None:
         """Take where the wind blows to, x and y [m/s]."""
         if math.isfinite(math.hypot(*wind_mps)):
             self.wind_mps = wind_mps
-            self._pilot.lists.air = self.vehicle.air(wind_mps)
+            self._set_air()
+
+    def _set_air(self) -> None:
+        """Work out the UAV's airspeeds and the wind from what is known of them."""
+        self._pilot.lists.air = self.vehicle.air(self.wind_mps, self.status.airspeed_ratio)
 
     def set_leg(self, leg: LegEstimate) -> None:
         """Take the leg being flown."""
@@ -197,7 +204,7 @@ class MissionPlanner:
 
     def engage(self, now_s: float) -> str:
         """Begin to lead the UAV; return why not, empty when begun."""
-        unfit = self.vehicle.refusal(self.corner_parameters, self.parameters, self.wind_mps)
+        unfit = self.vehicle.refusal(self.corner_parameters, self.parameters, self._pilot.lists.air)
         reason = self._not_flying() or self.obstacle(now_s) or unfit
         if not reason and not self.engaged:
             self.engaged = True
@@ -250,11 +257,15 @@ class MissionPlanner:
 
     @property
     def airspeed_mps(self) -> float | None:
-        """The airspeed that this ground speed takes where the UAV will be, within its envelope."""
+        """The indicated airspeed that this ground speed takes where the UAV will be.
+
+        Within its envelope.
+        """
         speed = self.speed_mps
         if speed is None:
             return None
-        return self._pilot.lists.air.airspeed_mps(self._course_rad, speed)
+        true_mps = self._pilot.lists.air.airspeed_mps(self._course_rad, speed)
+        return self.vehicle.indicated_mps(true_mps, self.status.airspeed_ratio)
 
     def newly_asked_mps(self, step_mps: float) -> float | None:
         """Return the airspeed asked for when it differs by ``step_mps`` from what was told last."""

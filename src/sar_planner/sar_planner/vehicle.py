@@ -28,24 +28,32 @@ class Vehicle:
         damping = self.values.get("NAVL1_DAMPING", 0.75)
         return L1Tuning(period, damping, mission.turn_share, mission.roll_lag_s)
 
-    def air(self, wind_mps: tuple[float, float]) -> AirEnvelope:
-        """Return its airspeeds, in a wind."""
-        slowest = self.values.get("AIRSPEED_MIN", 0.0)
-        return AirEnvelope(slowest, self.values.get("AIRSPEED_MAX", math.inf), wind_mps)
+    def air(self, wind_mps: tuple[float, float], airspeed_ratio: float = 1.0) -> AirEnvelope:
+        """Return its true airspeeds, in a wind; ``airspeed_ratio``: true over indicated."""
+        slowest = airspeed_ratio * self.values.get("AIRSPEED_MIN", 0.0)
+        fastest = airspeed_ratio * self.values.get("AIRSPEED_MAX", math.inf)
+        return AirEnvelope(slowest, fastest, wind_mps)
 
-    def refusal(
-        self, corner: CornerParameters, mission: MissionParameters, wind_mps: tuple[float, float]
-    ) -> str:
-        """Return why this UAV cannot fly the mission: parameter, value, expectation."""
-        v, r = corner.speed_mps, corner.turn_radius_m
+    def indicated_mps(self, true_mps: float, airspeed_ratio: float) -> float:
+        """Return what the autopilot is to be told for a true airspeed: it refuses other values."""
         slowest = self.values.get("AIRSPEED_MIN", 0.0)
         fastest = self.values.get("AIRSPEED_MAX", math.inf)
-        if slowest > v:
-            return f"autopilot's AIRSPEED_MIN = {slowest:g}: expected at most V = {v:g} m/s"
-        if fastest < v:
-            return f"autopilot's AIRSPEED_MAX = {fastest:g}: expected at least V = {v:g} m/s"
+        return min(max(true_mps / airspeed_ratio, slowest), fastest)
+
+    def refusal(
+        self, corner: CornerParameters, mission: MissionParameters, air: AirEnvelope
+    ) -> str:
+        """Return why this UAV cannot fly the mission: parameter, value, expectation.
+
+        ``air``: its airspeeds as they are now (``air``).
+        """
+        v, r = corner.speed_mps, corner.turn_radius_m
+        if air.slowest_mps > v:
+            return self._out_of_envelope("AIRSPEED_MIN", air.slowest_mps, "at most", v)
+        if air.fastest_mps < v:
+            return self._out_of_envelope("AIRSPEED_MAX", air.fastest_mps, "at least", v)
         # Ground speed is held at V by airspeed, as slow as that may become.
-        top = max(v * (1.0 + mission.speed_trim), slowest + math.hypot(*wind_mps))
+        top = max(v * (1.0 + mission.speed_trim), air.slowest_mps + math.hypot(*air.wind_mps))
         limit_deg = self.values.get("ROLL_LIMIT_DEG", 90.0)
         needed_deg = math.degrees(math.atan(top**2 / (G_MPS2 * r)))
         if needed_deg > limit_deg:
@@ -68,6 +76,12 @@ class Vehicle:
                 f"for R = {r:g} m at {hurried:g} m/s"
             )
         return ""
+
+    def _out_of_envelope(self, name: str, true_mps: float, expected: str, v_mps: float) -> str:
+        here = true_mps / self.values[name]
+        indicated = f" ({v_mps / here:.1f} indicated)" if abs(here - 1.0) > 5e-3 else ""
+        told = f"autopilot's {name} = {self.values[name]:g}"
+        return f"{told}: expected {expected} V = {v_mps:g} m/s{indicated}"
 
     def warning(self) -> str:
         """Return what the operator must know before he relies on this autopilot."""

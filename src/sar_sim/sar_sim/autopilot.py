@@ -73,7 +73,7 @@ class SimAutopilot:
         self._moving = self.state, self.wind_mps, ground_motion(self.state, self.wind_mps)
         self.altitude_m = altitude_m
         self.mode = FlightMode.GUIDED
-        self.airspeed_mps = speed_mps
+        self.airspeed_mps = speed_mps / uav.airspeed_ratio
         self.items: list[MissionItem] = []
         self.current = 0
         self.reached: list[int] = []
@@ -240,12 +240,13 @@ class SimAutopilot:
         if self._since_s >= self._guidance.period_s - 1e-9:
             self._since_s = 0.0
             self._navigate()
-        low, high = self._uav.airspeed_min_mps, self._uav.airspeed_max_mps
+        uav = self._uav
+        indicated = min(max(self.airspeed_mps, uav.airspeed_min_mps), uav.airspeed_max_mps)
         self.state = step(
             self.state,
             self._made_good(dt_s),
             turn_rate_radps=self._demand_radps,
-            airspeed_mps=min(max(self.airspeed_mps, low), high),
+            airspeed_mps=uav.airspeed_ratio * indicated,
             limits=self._limits,
             wind_mps=self.wind_mps,
             clock_s=dt_s,

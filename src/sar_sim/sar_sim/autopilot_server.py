@@ -275,9 +275,10 @@ class AutopilotServer:
 
     def _air_data(self) -> mavlink.MAVLink_message:
         state, speed = self._autopilot.state, self._autopilot.motion.speed_mps
+        indicated = state.airspeed_mps / self._autopilot.uav.airspeed_ratio
         heading = round(90.0 - math.degrees(state.heading_rad)) % 360
         return mavlink.MAVLink_vfr_hud_message(
-            state.airspeed_mps, speed, heading, 50, self._autopilot.altitude_m, 0.0
+            indicated, speed, heading, 50, self._autopilot.altitude_m, 0.0
         )
 
     def _attitude(self, time_s: float) -> mavlink.MAVLink_message:

@@ -304,7 +304,8 @@ class OfflineFlight:
         """Tell the planner in which mode the autopilot is."""
         mode = self.world.autopilot.mode
         if mode.name != self._status.mode:
-            self._status = UavStatus(mode.name, armed=True, connected=True)
+            ratio = self.world.autopilot.uav.airspeed_ratio
+            self._status = UavStatus(mode.name, armed=True, connected=True, airspeed_ratio=ratio)
             self._write(topics.UAV_STATE, text_message(json.dumps(asdict(self._status))))
         self.planner.set_status(self._status)
 

@@ -130,7 +130,7 @@ class Uav:
     ``turn_share``: turn rate over that of a coordinated turn at the same bank;
     ``believed_radius_m``: turn radius that legs are left for, 0 to leave them by WP_RADIUS.
     ``item_s``: what the transfer of one waypoint takes offline. ``airspeed_min_mps``,
-    ``airspeed_max_mps``: its envelope.
+    ``airspeed_max_mps``: its envelope, indicated; ``airspeed_ratio``: true airspeed over it.
     """
 
     lag_m: float = 800.0
@@ -148,6 +148,7 @@ class Uav:
     believed_radius_m: float = 0.0
     airspeed_min_mps: float = 10.0
     airspeed_max_mps: float = 30.0
+    airspeed_ratio: float = 1.0
     loiter_radius_m: float = 80.0
     item_s: float = 0.0
     extra_path_min_m: float = 0.0
@@ -298,6 +299,7 @@ class Scenario:
             ("pattern", "last_leg_m"),
             ("pattern", "track_spacing_m"),
             ("uav", "accel_limit_mps2"),
+            ("uav", "airspeed_ratio"),
             ("uav", "lookahead_m"),
             ("uav", "loiter_radius_m"),
             ("uav", "l1_period_s"),
