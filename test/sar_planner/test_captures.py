@@ -1,4 +1,4 @@
-"""Captures and Dubins' words end where they should, with the detour asked for."""
+"""Captures end where they should, with the detour asked for."""
 
 import math
 
@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from sar_estimator.plane import Pose
 from sar_planner.captures import STRAIGHT_P, STRAIGHT_Q, STRAIGHT_Y, CaptureProblem, PathBatch
-from sar_planner.dubins import lengths_m, words
 
 ANGLES = st.floats(-math.pi, math.pi)
 PLACES = st.floats(-1500.0, 1500.0)
@@ -44,21 +43,6 @@ def test_points_of_a_batch_are_those_of_its_paths(heading, turns, straight):
     assert batch.points(distances)[0] == pytest.approx(batch.path(0).points(distances), abs=1e-6)
     each = batch.points(distances[None, :])
     assert each == pytest.approx(batch.points(distances))
-
-
-@settings(max_examples=120, deadline=None)
-@given(PLACES, PLACES, ANGLES, ANGLES)
-def test_every_dubins_word_reaches_its_target(x, y, h, target):
-    start = Pose(30.0, -40.0, h)
-    rows = words(start, np.array([[x, y, target]]), 100.0)[:, 0]
-    exist = ~np.isnan(rows[:, 0])
-    assert exist[:2].all()  # LSL and RSR always exist
-    batch = PathBatch(start, 100.0, rows[exist])
-    assert batch.ends == pytest.approx(np.tile((x, y), (len(batch), 1)), abs=1e-5)
-    for i in range(len(batch)):
-        assert math.cos(batch.path(i).end.heading_rad - target) == pytest.approx(1.0, abs=1e-9)
-    assert lengths_m(batch.rows, 100.0) == pytest.approx(batch.lengths_m)
-    assert batch.lengths_m.min() >= math.hypot(x - 30.0, y + 40.0) - 1e-6
 
 
 def test_reach_leaves_out_what_cannot_get_there():

@@ -7,18 +7,21 @@ import numpy as np
 import pytest
 
 from sar_estimator.plane import Pose
+from sar_planner.captures import radii_m
+from sar_planner.dubins import lengths_m, words
 from sar_planner.forecast import cornering, cruising, departing
 from sar_planner.rejoin import RejoinTask, rejoin
 from sar_planner.rejoin_around import Limits
 from sar_planner.rejoin_bound import lower_bound_s, unhindered_s
 from sar_planner.rejoin_contacts import (
     WORD_STEP_S,
+    _reached,
     clear_word_s,
     contacts_of,
-    first_clear_s,
     hindered_s,
     tangent_headings,
 )
+from sar_planner.rejoin_hops import first_clear_s
 
 LIMITS = Limits(20.0, 18.0, 22.0, 100.0, 250.0, 205.0)
 LEG = Pose(0.0, 250.0, 0.0)
@@ -59,14 +62,31 @@ def test_a_hop_waits_until_its_word_is_clear():
     met = np.array([20.0])
     high = np.array([60.0])
 
-    def far(hop, at_s):
-        return np.full((*at_s.shape, 2), 1e4)
+    def first_s(x, y, vx):
+        """With a helicopter that begins at x, y and flies with vx along x."""
+        table = np.array((0.0, x, y, 1.0, 0.0, vx, 0.0)).reshape(1, 7, 1)
+        return first_clear_s(seen, met, high, table, 0.0, (20.0, 18.0, 22.0), radii_m(100.0), 203.0)
 
-    def beside(hop, at_s):
-        return np.stack((20.0 * at_s, np.full_like(at_s, 100.0)), axis=-1)
+    assert first_s(1e4, 1e4, 0.0) == pytest.approx(met)
+    assert first_s(0.0, 100.0, 20.0) == math.inf
+    # It stands 150 m beside the way, ahead: only a word that turns about is clear of it.
+    assert first_s(-400.0, 150.0, 0.0) == pytest.approx(met)
 
-    assert first_clear_s(LIMITS, seen, met, high, far) == pytest.approx(met)
-    assert first_clear_s(LIMITS, seen, met, high, beside) == math.inf
+
+def test_contacts_behind_the_disc_are_reached_around_it_only():
+    # 500 m before its upper edge, along it: 822 m around a quarter of it, less through it.
+    stands = departing(50.0, LEG, 0.0, speed_mps=20.0, accel_mps2=2.5)
+    asked = replace(task(0.0, 0.0, 0.0, stands), start=Pose(500.0, 455.0, math.pi))
+    steps = np.arange(11)
+    angles = math.pi / 2.0 * (1.0 + steps / 10.0)
+    touched = np.column_stack(
+        (205.0 * np.cos(angles), 250.0 + 205.0 * np.sin(angles), angles + math.pi / 2.0)
+    )
+    there, times = np.vstack((touched, touched[-1:])), np.append(26.0 + 1.5 * steps, 36.0)
+    shortest = np.nanmin(lengths_m(words(asked.start, there, 100.0), 100.0), axis=0)
+    assert (shortest <= 22.0 * times).all()
+    poses = there - np.outer(stands.slot_x_m(0.0) + 20.0 * times, (1.0, 0.0, 0.0))
+    assert _reached(asked, LIMITS, times, poses).tolist() == [True] * 11 + [False]
 
 
 @pytest.fixture(scope="module")

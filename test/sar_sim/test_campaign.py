@@ -11,7 +11,14 @@ import yaml
 
 from sar_sim.campaign import load_campaign
 from sar_sim.campaign_cli import main
-from sar_sim.campaign_table import corners_to_converge, mean_of, share_of
+from sar_sim.campaign_table import (
+    Summary,
+    corners_to_converge,
+    line_of,
+    mean_of,
+    share_of,
+    spread_of,
+)
 from sar_sim.missions import covered
 from sar_sim.options import find_plan, scenario_folder
 from sar_sim.scenario import ScenarioError
@@ -55,6 +62,15 @@ def test_most_of_the_square_is_seen():
     assert 0.0 < flown.overlap_percent < 20.0
     assert 25.0 < flown.rate_km2_per_h < 2.0 * 20.0 * 3.6 * 0.5
     assert np.abs(flown.extra_m).max() < 15.0
+
+
+def test_a_uav_that_turns_wide_flies_the_papers_extra_path():
+    campaign = load_campaign(find_plan("wide_turns"))
+    paper = campaign.combinations[0]
+    summary = Summary(paper, (paper.fly(0, campaign.lag_m),), campaign.from_corner)
+    extra = summary.extra_by_rule_m()
+    assert 300.0 < extra["T2"].mean() < 550.0
+    assert "T2 " in line_of(summary)
 
 
 def test_perfect_formation_sees_everything():
@@ -146,7 +162,8 @@ def test_the_same_rows_on_any_number_of_workers_and_when_resumed(tmp_path, capsy
     with (one / "rows.csv").open() as text:
         rows = list(csv.DictReader(text))
     assert len(rows) == 8
-    assert {row["rules"] for row in rows[4:]} == {""}  # one that follows plans no corner
+    assert [row["rules"] for row in rows] == ["deadbeat"] * 4 + ["follow"] * 4
+    assert {row["corner_rules"] for row in rows[4:]} == {""}  # one that follows plans no corner
     assert min(float(row["separation_m"]) for row in rows[:4]) > 180.0
     with (one / "summary.csv").open() as text:
         found = list(csv.DictReader(text))
@@ -167,6 +184,10 @@ def test_estimates():
     share = share_of([True] * 9 + [False])
     assert (share.value, share.low, share.high) == pytest.approx((90.0, 59.6, 98.2), abs=0.1)
     assert share_of([]).text(1) == "-"
+
+
+def test_spread_is_mean_and_nine_tenths():
+    assert spread_of(np.arange(101.0)) == "50 (5 to 95)"
 
 
 def test_corners_to_converge():

@@ -12,17 +12,98 @@ import math
 
 import numpy as np
 
+from sar_estimator.compiled import compiled
 from sar_estimator.plane import Pose
-from sar_planner.captures import COLUMNS, STRAIGHTS, TURNS
+from sar_planner.captures import STRAIGHTS, TURNS
 from sar_planner.geometry import FloatArray
 
 TWO_PI = 2.0 * math.pi
 WORDS = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL", "RLR", "LRL")
+FIRST, STRAIGHT, MIDDLE, LAST = 1, 2, 3, 5
 
 
-def _positive(angle_rad: FloatArray) -> FloatArray:
-    turned = np.mod(angle_rad, TWO_PI)
-    return np.where(turned > TWO_PI - 1e-9, 0.0, turned)
+@compiled("float64(float64)")
+def _positive(angle_rad: float) -> float:
+    """Return the same direction from 0 to 2 pi."""
+    turned = angle_rad - TWO_PI * math.floor(angle_rad / TWO_PI)
+    return 0.0 if turned > TWO_PI - 1e-9 else turned
+
+
+@compiled("void(float64, float64, float64, float64[:, ::1])")
+def _with_straight(a: float, b: float, gap: float, out: FloatArray) -> None:
+    """Fill in the words CSC; angles [rad] from the line to the target, ``gap`` in radii."""
+    ca, sa, cb, sb, cab = math.cos(a), math.sin(a), math.cos(b), math.sin(b), math.cos(a - b)
+    for word in range(4):
+        left_first, same = word in (0, 2), word < 2
+        side = 1.0 if left_first else -1.0
+        turned = sa - sb if same else sa + sb
+        square = gap * gap + 2.0 * gap * side * turned
+        square += 2.0 - 2.0 * cab if same else 2.0 * cab - 2.0
+        if square < (-1e-12 if same else 0.0):
+            continue
+        straight = math.sqrt(max(square, 0.0))
+        if same:
+            line = math.atan2(side * (cb - ca), gap + side * turned)
+        else:
+            line = math.atan2(-side * (ca + cb), gap + side * turned)
+            line -= math.atan2(-2.0 * side, straight)
+        last_side = side if same else -side
+        out[word, FIRST] = side * _positive(side * (line - a))
+        out[word, STRAIGHT] = straight
+        out[word, LAST] = last_side * _positive(last_side * (b - line))
+
+
+@compiled("void(float64, float64, float64, float64[:, ::1])")
+def _of_arcs(a: float, b: float, gap: float, out: FloatArray) -> None:
+    """Fill in the words CCC, as ``_with_straight``."""
+    ca, sa, cb, sb, cab = math.cos(a), math.sin(a), math.cos(b), math.sin(b), math.cos(a - b)
+    for word in range(4, 8):
+        side = -1.0 if word in (4, 6) else 1.0
+        turned = side * (sa - sb)
+        cosine = (6.0 - gap * gap + 2.0 * cab - 2.0 * gap * turned) / 8.0
+        if abs(cosine) > 1.0:
+            continue
+        small = math.acos(cosine)
+        middle = TWO_PI - small if word < 6 else small
+        line = math.atan2(side * (cb - ca), gap + turned)
+        first = _positive(side * (line - a) + 0.5 * middle)
+        out[word, FIRST] = side * first
+        out[word, MIDDLE] = -side * middle
+        out[word, LAST] = side * _positive(side * (b - a) - first + middle)
+
+
+@compiled("void(float64, float64, float64, float64, float64, float64[:, ::1])")
+def fill_words(
+    dx_m: float, dy_m: float, start_rad: float, end_rad: float, radius_m: float, out: FloatArray
+) -> None:
+    """Fill ``out``, shape (8, 7), with the words to a pose ``dx_m``, ``dy_m`` away: ``words``."""
+    bearing = math.atan2(dy_m, dx_m)
+    gap = math.hypot(dx_m, dy_m) / radius_m
+    a, b = _positive(start_rad - bearing), _positive(end_rad - bearing)
+    out[:, :] = 0.0
+    out[:, FIRST] = math.nan
+    _with_straight(a, b, gap, out)
+    _of_arcs(a, b, gap, out)
+    for word in range(out.shape[0]):
+        if math.isnan(out[word, FIRST]):
+            out[word, :] = math.nan
+        out[word, STRAIGHT] *= radius_m
+
+
+@compiled("float64[:, :, ::1](float64[::1], float64[:, ::1], float64)")
+def _words_to_each(start: FloatArray, targets: FloatArray, radius_m: float) -> FloatArray:
+    """Return ``words``, the target's axis first: shape (n, 8, 7)."""
+    rows = np.empty((targets.shape[0], 8, 7))
+    for i in range(targets.shape[0]):
+        fill_words(
+            targets[i, 0] - start[0],
+            targets[i, 1] - start[1],
+            start[2],
+            targets[i, 2],
+            radius_m,
+            rows[i],
+        )
+    return rows
 
 
 def words(start: Pose, targets: FloatArray, radius_m: float) -> FloatArray:
@@ -31,64 +112,9 @@ def words(start: Pose, targets: FloatArray, radius_m: float) -> FloatArray:
     ``targets``: x, y, heading, shape (n, 3). The last axis is a row of ``PathBatch``: straights
     [m] and turns [rad] by turns; NaN where a word does not exist. The order is ``WORDS``.
     """
-    dx = (targets[:, 0] - start.x_m) / radius_m
-    dy = (targets[:, 1] - start.y_m) / radius_m
-    bearing = np.arctan2(dy, dx)
-    gap = np.hypot(dx, dy)
-    a = np.mod(start.heading_rad - bearing, TWO_PI)
-    b = np.mod(targets[:, 2] - bearing, TWO_PI)
-    rows = np.full((len(WORDS), len(targets), COLUMNS), np.nan)
-    ca, sa, cb, sb, cab = np.cos(a), np.sin(a), np.cos(b), np.sin(b), np.cos(a - b)
-
-    def put(word: int, *, exists: FloatArray, parts: tuple[FloatArray, ...]) -> None:
-        first, middle, last = parts
-        letters = WORDS[word]
-        sides = [1.0 if letter == "L" else -1.0 for letter in letters]
-        out = rows[word]
-        out[:, :] = 0.0
-        out[:, 1] = sides[0] * first
-        if letters[1] == "S":
-            out[:, 2] = middle * radius_m
-        else:
-            out[:, 3] = sides[1] * middle
-        out[:, 5] = sides[2] * last
-        out[~(exists >= 0.0)] = np.nan
-
-    with np.errstate(invalid="ignore"):
-        square = 2.0 + gap**2 - 2.0 * cab + 2.0 * gap * (sa - sb)
-        turn = np.arctan2(cb - ca, gap + sa - sb)
-        straight = np.sqrt(np.maximum(square, 0.0))
-        put(0, exists=square + 1e-12, parts=(_positive(turn - a), straight, _positive(b - turn)))
-
-        square = 2.0 + gap**2 - 2.0 * cab + 2.0 * gap * (sb - sa)
-        turn = np.arctan2(ca - cb, gap - sa + sb)
-        straight = np.sqrt(np.maximum(square, 0.0))
-        put(1, exists=square + 1e-12, parts=(_positive(a - turn), straight, _positive(turn - b)))
-
-        square = -2.0 + gap**2 + 2.0 * cab + 2.0 * gap * (sa + sb)
-        straight = np.sqrt(np.maximum(square, 0.0))
-        turn = np.arctan2(-ca - cb, gap + sa + sb) - np.arctan2(-2.0, straight)
-        put(2, exists=square, parts=(_positive(turn - a), straight, _positive(turn - b)))
-
-        square = -2.0 + gap**2 + 2.0 * cab - 2.0 * gap * (sa + sb)
-        straight = np.sqrt(np.maximum(square, 0.0))
-        turn = np.arctan2(ca + cb, gap - sa - sb) - np.arctan2(2.0, straight)
-        put(3, exists=square, parts=(_positive(a - turn), straight, _positive(b - turn)))
-
-        cosine = (6.0 - gap**2 + 2.0 * cab + 2.0 * gap * (sa - sb)) / 8.0
-        exists = 1.0 - np.abs(cosine)
-        small = np.arccos(np.clip(cosine, -1.0, 1.0))
-        for word, middle in ((4, TWO_PI - small), (6, small)):
-            first = _positive(a - np.arctan2(ca - cb, gap - sa + sb) + 0.5 * middle)
-            put(word, exists=exists, parts=(first, middle, _positive(a - b - first + middle)))
-
-        cosine = (6.0 - gap**2 + 2.0 * cab + 2.0 * gap * (sb - sa)) / 8.0
-        exists = 1.0 - np.abs(cosine)
-        small = np.arccos(np.clip(cosine, -1.0, 1.0))
-        for word, middle in ((5, TWO_PI - small), (7, small)):
-            first = _positive(-a + np.arctan2(-ca + cb, gap + sa - sb) + 0.5 * middle)
-            put(word, exists=exists, parts=(first, middle, _positive(b - a - first + middle)))
-    return rows
+    begin = np.array((start.x_m, start.y_m, start.heading_rad))
+    rows = _words_to_each(begin, np.ascontiguousarray(targets, dtype=np.float64), radius_m)
+    return rows.transpose(1, 0, 2)
 
 
 def lengths_m(rows: FloatArray, radius_m: float) -> FloatArray:

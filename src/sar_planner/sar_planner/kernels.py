@@ -36,6 +36,22 @@ def place(parts: FloatArray, part: int, flown_m: float) -> tuple[float, float]:
     )
 
 
+@compiled("UniTuple(float64, 2)(float64[:, ::1], float64)")
+def position_at(forecast: FloatArray, now_s: float) -> tuple[float, float]:
+    """Return x and y of the helicopter at a time: ``Forecast.positions``."""
+    stretch = 0
+    while stretch + 1 < forecast.shape[1] and forecast[0, stretch + 1] <= now_s:
+        stretch += 1
+    after = now_s - forecast[0, stretch]
+    run = forecast[5, stretch] * after
+    if after > 0.0:
+        run += 0.5 * forecast[6, stretch] * after * after
+    return (
+        forecast[1, stretch] + forecast[3, stretch] * run,
+        forecast[2, stretch] + forecast[4, stretch] * run,
+    )
+
+
 @compiled("float64(float64[:, ::1], float64[::1], float64, float64, float64, float64[::1])")
 def lay_out(
     parts: FloatArray, row: FloatArray, x: float, y: float, heading: float, radius: FloatArray

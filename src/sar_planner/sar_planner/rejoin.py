@@ -7,8 +7,7 @@ the UAV's limits. *Captures* (``captures``): two or three headings on a grid, th
 for arriving on the slot at the fastest or the slowest speed. Words are the quickest where nothing
 is in the way; captures lead around the helicopter. From points along the path found it is looked
 again, at the other speed: what is sooner then takes the rest's place. Where the helicopter costs
-much, it is looked again behind first turns on a grid, too: a way that hugs what is kept free while
-the helicopter moves can have more turns than captures have.
+much, ways of any number of turns are looked for on a grid (``rejoin_grid``).
 """
 
 from __future__ import annotations
@@ -25,8 +24,9 @@ from sar_estimator.plane import Pose
 from sar_planner.captures import CaptureProblem, PathBatch, radii_m, turn_to
 from sar_planner.dubins import lengths_m, words
 from sar_planner.forecast import Forecast, tables_of
-from sar_planner.geometry import Arc, FlightPath, FloatArray
+from sar_planner.geometry import FlightPath, FloatArray
 from sar_planner.kernels import soonest_capture
+from sar_planner.rejoin_grid import soonest_on_grids
 from sar_planner.separation import closest_over_time, least_of_all_m, sampling_slack_m
 
 STEP_S = 0.5
@@ -37,8 +37,7 @@ TRIED = 640
 FARTHEST = 200
 SLACK_S = 60.0
 LOOKED_AGAIN = (0.1, 0.2, 0.35, 0.5, 0.6, 0.7, 0.8)
-COSTLY_SHARE = 2.0
-FIRST_TURNS_RAD = tuple(math.radians(angle) for angle in (30, -30, 60, -60, 90, -90, 120, -120))
+COSTLY_SHARE = 1.15
 SOON_ENOUGH = 1.03
 ENTRY_STEP_S = 0.05
 ENTRIES_SHARE = 2.0
@@ -322,30 +321,60 @@ def rejoin(task: RejoinTask) -> RejoinPlan | None:
     plan, soonest_s, is_soon = _one_search(task)
     if plan is None or is_soon or not plan.kept:
         return plan
+    plan = _looked_again(task, plan)
     if plan.duration_s > COSTLY_SHARE * soonest_s:
-        for turn_rad in FIRST_TURNS_RAD:
-            first = FlightPath(task.start, (Arc(task.turn_radius_m, turn_rad),))
-            plan = _looked_again(task, plan, first, first.length_m / task.fastest_mps)
-    for share in LOOKED_AGAIN:
-        first = plan.path.cut(0.0, share * plan.path.length_m)
-        plan = _looked_again(task, plan, first, share * plan.duration_s)
+        on_grid = _on_grids(task, plan)
+        if on_grid is not plan:
+            plan = _looked_again(task, on_grid)
     return plan
 
 
-def _looked_again(
-    task: RejoinTask, plan: RejoinPlan, first: FlightPath, flown_s: float
-) -> RejoinPlan:
-    """Return a sooner plan that begins with ``first``, flown in ``flown_s``, else the plan.
+def _on_grids(task: RejoinTask, plan: RejoinPlan) -> RejoinPlan:
+    """Return a sooner plan from grids of poses, else the plan."""
+    found = soonest_on_grids(
+        task.start,
+        task.start_s,
+        task.forecast.slot_x_m(task.start_s),
+        (task.forecast.speed_mps, task.slowest_mps, task.fastest_mps),
+        task.turn_radius_m,
+        tables_of(task.forecasts),
+        needed_m=task.separation_m + sampling_slack_m(task.separation_m, task.turn_radius_m),
+        before_s=task.start_s + plan.duration_s,
+    )
+    for path, met_s in found:
+        plan = _sooner(task, plan, path, met_s - task.start_s)
+    return plan
 
-    Such a path can have more turns than one search tries. It is flown at one speed, too.
+
+def _looked_again(task: RejoinTask, plan: RejoinPlan) -> RejoinPlan:
+    """Return a sooner plan that begins as the plan does, else the plan.
+
+    Such a path can have more turns than one search tries.
     """
-    rest, _, _ = _one_search(replace(task, start=first.end, start_s=task.start_s + flown_s))
+    for share in LOOKED_AGAIN:
+        plan = _looked_from(task, plan, share)
+    return plan
+
+
+def _looked_from(task: RejoinTask, plan: RejoinPlan, share: float) -> RejoinPlan:
+    """Return a sooner plan whose first ``share`` is the plan's, else the plan."""
+    from_m = share * plan.path.length_m
+    flown_s = share * plan.duration_s
+    begin = plan.path.pose_at(from_m)
+    rest, _, _ = _one_search(replace(task, start=begin, start_s=task.start_s + flown_s))
     if rest is None or not rest.kept:
         return plan
-    duration_s = flown_s + rest.duration_s
+    path = plan.path.cut(0.0, from_m).then(rest.path)
+    return _sooner(task, plan, path, flown_s + rest.duration_s)
+
+
+def _sooner(task: RejoinTask, plan: RejoinPlan, path: FlightPath, duration_s: float) -> RejoinPlan:
+    """Return the plan of a path, flown at one speed, where it is sooner and keeps the separation.
+
+    Else the plan.
+    """
     if duration_s >= plan.duration_s - WORTHWHILE_S:
         return plan
-    path = first.then(rest.path)
     speed = path.length_m / duration_s
     closest = min(
         closest_over_time(path, forecast, start_s=task.start_s, speed_mps=speed).distance_m

@@ -22,8 +22,12 @@ that can be the soonest are Dubins' words. So a path either
 While the helicopter cruises what is left is a function of the contact's pose alone, in the slot's
 frame. It is solved once: the least of the time of a clear word to the slot, and the time to another
 contact and what is left from that. Between contacts close to one another the path may follow the
-disc; the unhindered time is no more than that takes. Before the helicopter cruises, the unhindered
-time is what is left.
+disc; the unhindered time is no more than that takes.
+
+Before the helicopter cruises a contact is one of a pose at a time. What is left from the *first*
+of these is taken to be the unhindered time. The *last* of these can have been reached in its time,
+past the helicopter, and from there it is a clear word to the slot, or to a first contact in cruise.
+Both bound the paths that have such contacts.
 
 Contacts are taken on a grid. A path's contacts lie up to half a step away from it: since the time
 by a contact is least at the best one, that matters in the second order only, and words count as
@@ -33,28 +37,25 @@ clear, and as possible, by a tolerance that covers such a shift.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sar_estimator.plane import Pose
-from sar_planner.captures import PathBatch
+from sar_planner.captures import PathBatch, radii_m
 from sar_planner.dubins import lengths_m, words
 from sar_planner.forecast import cruising
-from sar_planner.geometry import FloatArray
+from sar_planner.geometry import CornerFrame, FloatArray
 from sar_planner.rejoin import RejoinTask, timed_words
-from sar_planner.rejoin_around import HERE, Around, Limits, seen_from
+from sar_planner.rejoin_around import Around, Limits, seen_from
+from sar_planner.rejoin_hops import clear_hops, first_clear_s
 from sar_planner.separation import least_distances_m
 
-CONTACT_STEP_RAD = math.radians(3.0)
+CONTACT_STEP_RAD = math.radians(1.5)
 NEAR_RAD = math.radians(12.0)
-TOLERANCE_M = 4.0
-LENGTH_SLACK_M = 1.0
-LATER_SHARE = 0.01
-LATER_S = 0.05
-HOP_SAMPLES = 48
+TOLERANCE_M = 2.0
 WORD_STEP_S = 0.1
 HORIZON_S = 150.0
 MOVING_STEP_S = 0.5
@@ -63,8 +64,8 @@ MOVING_SLACK_M = 5.0
 DIFFERENCE_S = 0.01
 WORDS = 128
 CHUNK = 256
+CLOSE_SHARE = 1.03
 PAIRS = 20000
-Motion = Callable[[NDArray[np.intp], FloatArray], FloatArray]
 
 
 def clear_word_s(task: RejoinTask, upper_s: float) -> float:
@@ -101,67 +102,6 @@ def tangent_headings(
     speeds = np.array((limits.slowest_mps, limits.fastest_mps))
     away = np.arccos(np.clip(along[:, None] / speeds, -1.0, 1.0))
     return np.concatenate((angles_rad[:, None] + away, angles_rad[:, None] - away), axis=1)
-
-
-def clear_hops(
-    limits: Limits,
-    seen: FloatArray,
-    times_s: FloatArray,
-    helicopter: Motion,
-    *,
-    which: NDArray[np.intp],
-    slack_m: float | FloatArray,
-) -> NDArray[np.bool_]:
-    """Whether some word from (0, 0, 0) to poses that move with the slot stays clear.
-
-    ``seen``: the poses, as of ``Limits.first_fit_s``, met after ``times_s``, shape (n,).
-    ``helicopter``: its positions, shape (k, m, 2), for hops, shape (k,), at times, shape (k, m);
-    ``which``: the hops looked at, shape (n,). ``slack_m``: by how much lengths may be out of what
-    the speed limits allow.
-    """
-    run = limits.slot_mps * times_s
-    targets = np.column_stack(
-        (seen[:, 0] + run * np.cos(seen[:, 3]), seen[:, 1] + run * np.sin(seen[:, 3]), seen[:, 2])
-    )
-    rows = words(HERE, targets, limits.turn_radius_m)
-    lengths = lengths_m(rows, limits.turn_radius_m)
-    fits = (lengths >= limits.slowest_mps * times_s - slack_m) & (
-        lengths <= limits.fastest_mps * times_s + slack_m
-    )
-    word, hop = np.nonzero(fits)
-    clear = np.zeros(len(times_s), dtype=np.bool_)
-    if hop.size:
-        shares = (np.arange(HOP_SAMPLES) + 0.5) / HOP_SAMPLES
-        points = PathBatch(HERE, limits.turn_radius_m, rows[word, hop]).points(
-            lengths[word, hop][:, None] * shares
-        )
-        gap = points - helicopter(which[hop], times_s[hop][:, None] * shares)
-        least = np.sqrt(np.square(gap).sum(axis=2).min(axis=1))
-        clear[hop[least >= limits.separation_m - TOLERANCE_M]] = True
-    return clear
-
-
-def first_clear_s(
-    limits: Limits, seen: FloatArray, met_s: FloatArray, high_s: FloatArray, helicopter: Motion
-) -> FloatArray:
-    """Return times, from ``met_s`` on, before which no word to moving poses stays clear.
-
-    Infinite where none does before ``high_s``. Rounded down by ``LATER_SHARE``.
-    """
-    out = np.full(len(met_s), math.inf)
-    times, before = met_s.copy(), met_s.copy()
-    open_ = np.flatnonzero(times < high_s)
-    while open_.size:
-        slack_m = LENGTH_SLACK_M + LATER_SHARE * limits.fastest_mps * times[open_]
-        clear = clear_hops(
-            limits, seen[open_], times[open_], helicopter, which=open_, slack_m=slack_m
-        )
-        out[open_[clear]] = before[open_[clear]]
-        open_ = open_[~clear]
-        before[open_] = times[open_]
-        times[open_] += np.maximum(LATER_S, LATER_SHARE * times[open_])
-        open_ = open_[before[open_] < high_s[open_]]
-    return out
 
 
 class Contacts:
@@ -233,24 +173,15 @@ class Contacts:
             seen = seen_from(poses[i], poses[j])
             about = seen_from(poses[i], np.repeat(centre, len(i), axis=0))
 
-            def helicopter(
-                hop: NDArray[np.intp], at_s: FloatArray, about: FloatArray = about
-            ) -> FloatArray:
-                direction = about[hop, 3][:, None]
-                run = limits.slot_mps * at_s
-                return np.stack(
-                    (
-                        about[hop, 0][:, None] + run * np.cos(direction),
-                        about[hop, 1][:, None] + run * np.sin(direction),
-                    ),
-                    axis=-1,
-                )
-
+            tables = np.zeros((len(i), 7, 1))
+            tables[:, 1:3, 0] = about[:, :2]
+            tables[:, 3, 0], tables[:, 4, 0] = np.cos(about[:, 3]), np.sin(about[:, 3])
+            tables[:, 5, 0] = limits.slot_mps
             high = most_s[i] - least_s[j]
             met = limits.first_fit_s(seen, low[i, j], high)
             far = apart[part] > NEAR_RAD
             high[~far] = -math.inf
-            clear = first_clear_s(limits, seen, met, high, helicopter)
+            clear = first_clear_s(seen, met, high, tables, 0.0, *_kept(limits))
             hops[i, j] = np.where(far, clear, met)
         return hops
 
@@ -259,23 +190,23 @@ def hindered_s(task: RejoinTask, contacts: Contacts, upper_s: float) -> float:
     """Return the least time [s] by a clear word or by a first contact, at most ``upper_s``."""
     best = min(upper_s, clear_word_s(task, upper_s))
     best = _by_cruise_contact_s(task, contacts, best)
-    if task.forecast.steady_s > task.start_s:
-        best = _by_moving_contact_s(task, contacts, best)
-    return best
+    if task.forecast.steady_s <= task.start_s:
+        return best
+    first = _by_first_moving_contact_s(task, contacts, best)
+    if first * CLOSE_SHARE >= best:
+        return first
+    return _by_last_moving_contact_s(task, contacts, best, enough_s=first)
 
 
-def _helicopter_seen(task: RejoinTask) -> Motion:
-    """Return the helicopter's positions as seen from the start."""
-    start = task.start
-    cosine, sine = math.cos(start.heading_rad), math.sin(start.heading_rad)
+def _kept(limits: Limits) -> tuple[tuple[float, float, float], FloatArray, float]:
+    """Return speeds, the parts' radii and the distance to keep, as hops take them."""
+    speeds = (limits.slot_mps, limits.slowest_mps, limits.fastest_mps)
+    return speeds, radii_m(limits.turn_radius_m), limits.separation_m - TOLERANCE_M
 
-    def helicopter(_: NDArray[np.intp], at_s: FloatArray) -> FloatArray:
-        positions = task.forecast.positions(task.start_s + at_s.ravel())
-        x, y = positions[:, 0] - start.x_m, positions[:, 1] - start.y_m
-        seen = np.column_stack((cosine * x + sine * y, cosine * y - sine * x))
-        return seen.reshape(*at_s.shape, 2)
 
-    return helicopter
+def _helicopter_seen(task: RejoinTask) -> FloatArray:
+    """Return the helicopter's forecast as seen from the start, shape (7, m)."""
+    return task.forecast.in_frame(CornerFrame(task.start, 1)).table
 
 
 def _start(task: RejoinTask) -> FloatArray:
@@ -298,15 +229,20 @@ def _by_cruise_contact_s(task: RejoinTask, contacts: Contacts, upper_s: float) -
         seen = seen_from(np.repeat(start, len(chosen), axis=0), poses[chosen])
         high = best - left[chosen]
         met = limits.first_fit_s(seen, low[chosen], high)
-        clear = first_clear_s(limits, seen, met, high, helicopter)
+        clear = first_clear_s(seen, met, high, helicopter[None], task.start_s, *_kept(limits))
         best = min(best, float((clear + left[chosen]).min()))
     return best
 
 
-def _by_moving_contact_s(task: RejoinTask, contacts: Contacts, upper_s: float) -> float:
-    """Return the least time by a first contact before the helicopter cruises."""
-    limits, start = contacts.limits, _start(task)
-    forecast, rho = task.forecast, contacts.limits.separation_m
+def _moving_contacts(
+    task: RejoinTask, limits: Limits, upper_s: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return contacts before the helicopter cruises that a path of ``upper_s`` [s] can have.
+
+    Their times from the start [s], their poses in the slot's frame then, shape (n, 3), and the
+    least times [s] that are left from there; by straight ways.
+    """
+    forecast, start = task.forecast, _start(task)
     each = np.arange(0.0, forecast.steady_s - task.start_s, MOVING_STEP_S)
     angles = np.arange(0.0, 2.0 * math.pi - 1e-9, MOVING_STEP_RAD)
     times, angles = (g.ravel() for g in np.meshgrid(each, angles, indexing="ij"))
@@ -314,7 +250,8 @@ def _by_moving_contact_s(task: RejoinTask, contacts: Contacts, upper_s: float) -
     before, after = (forecast.positions(at + d) for d in (-DIFFERENCE_S, DIFFERENCE_S))
     headings = tangent_headings(angles, (after - before) / (2.0 * DIFFERENCE_S), limits)
     slot_x = forecast.leg.x_m + forecast.speed_mps * (at - forecast.zero_s)
-    touched = forecast.positions(at) + rho * np.column_stack((np.cos(angles), np.sin(angles)))
+    around = np.column_stack((np.cos(angles), np.sin(angles)))
+    touched = forecast.positions(at) + limits.separation_m * around
     count = headings.shape[1]
     poses = np.column_stack(
         (
@@ -327,7 +264,13 @@ def _by_moving_contact_s(task: RejoinTask, contacts: Contacts, upper_s: float) -
     low = limits.straight_s(-poses[:, :2])
     ahead = limits.straight_s(poses[:, :2] - start[:, :2])
     near = (ahead <= times + MOVING_STEP_S) & (times + low < upper_s)
-    poses, times, low = poses[near], times[near], low[near]
+    return times[near], poses[near], low[near]
+
+
+def _by_first_moving_contact_s(task: RejoinTask, contacts: Contacts, upper_s: float) -> float:
+    """Return the least time by a first contact before the helicopter cruises."""
+    limits, start = contacts.limits, _start(task)
+    times, poses, low = _moving_contacts(task, limits, upper_s)
     order = np.argsort(times + low, kind="stable")
     helicopter, best = _helicopter_seen(task), upper_s
     for begin in range(0, len(order), CHUNK):
@@ -335,19 +278,81 @@ def _by_moving_contact_s(task: RejoinTask, contacts: Contacts, upper_s: float) -
         if times[chosen[0]] + low[chosen[0]] >= best:
             break
         seen = seen_from(np.repeat(start, len(chosen), axis=0), poses[chosen])
+        speeds, radii, clear_m = _kept(limits)
         clear = clear_hops(
-            limits,
             seen,
             times[chosen],
             helicopter,
-            which=chosen,
-            slack_m=MOVING_SLACK_M,
+            task.start_s,
+            speeds,
+            MOVING_SLACK_M,
+            radii,
+            clear_m,
         )
         chosen = chosen[clear]
         slots = seen_from(poses[chosen], np.zeros((len(chosen), 3)))
         left = limits.first_fit_s(slots, low[chosen], best - times[chosen])
         best = min(best, float((times[chosen] + left).min(initial=math.inf)))
     return best
+
+
+def _reached(
+    task: RejoinTask, limits: Limits, times_s: FloatArray, poses: FloatArray
+) -> NDArray[np.bool_]:
+    """Return which contacts can be reached in their times, one after another, past the helicopter.
+
+    ``poses``: in the slot's frame at the times, shape (n, 3).
+    """
+    speeds, radii, clear_m = _kept(limits)
+
+    def clear(begin: FloatArray, begun_s: float, chosen: NDArray[np.intp]) -> NDArray[np.bool_]:
+        at_s = task.start_s + begun_s
+        here = Pose(begin[0] + task.forecast.slot_x_m(at_s), begin[1], begin[2])
+        return clear_hops(
+            seen_from(np.repeat(begin[None, :], len(chosen), axis=0), poses[chosen]),
+            times_s[chosen] - begun_s,
+            task.forecast.in_frame(CornerFrame(here, 1)).table,
+            at_s,
+            speeds,
+            MOVING_SLACK_M,
+            radii,
+            clear_m,
+        )
+
+    reached = clear(_start(task)[0], 0.0, np.arange(len(times_s)))
+    for i in np.argsort(times_s, kind="stable"):
+        if reached[i]:
+            left = np.flatnonzero(~reached & (times_s > times_s[i]))
+            reached[left] = clear(poses[i], float(times_s[i]), left)
+    return reached
+
+
+def _by_last_moving_contact_s(
+    task: RejoinTask, contacts: Contacts, upper_s: float, enough_s: float
+) -> float:
+    """Return the least time by a last contact before the helicopter cruises.
+
+    It is not looked for below ``enough_s``.
+    """
+    limits, forecast = contacts.limits, task.forecast
+    times, poses, _ = _moving_contacts(task, limits, upper_s)
+    there = poses.copy()
+    there[:, 0] += forecast.slot_x_m(task.start_s) + limits.slot_mps * times
+    lengths = lengths_m(words(task.start, there, limits.turn_radius_m), limits.turn_radius_m)
+    shortest_m = np.fmin.reduce(lengths, axis=0)
+    can = shortest_m <= limits.fastest_mps * times + MOVING_SLACK_M
+    times, poses, there = times[can], poses[can], there[can]
+    least = times + limits.to_slot_s(poses)
+    least[~_reached(task, limits, times, poses)] = math.inf
+    best = upper_s
+    for i in np.argsort(least, kind="stable"):
+        if least[i] >= best or best <= enough_s:
+            break
+        begun, (x, y, heading) = float(times[i]), there[i].tolist()
+        rest = replace(task, start=Pose(x, y, heading), start_s=task.start_s + begun)
+        left = min(best - begun, clear_word_s(rest, best - begun))
+        best = begun + _by_cruise_contact_s(rest, contacts, left)
+    return max(best, enough_s)
 
 
 @lru_cache(maxsize=2)

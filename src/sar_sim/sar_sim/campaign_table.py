@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from scipy import stats
 
+from sar_planner.geometry import FloatArray
 from sar_sim.campaign import Campaign, Combination
 from sar_sim.missions import Mission, watched
 
@@ -63,6 +64,12 @@ def corners_to_converge(lags_m: Sequence[float], tolerance_m: float) -> float:
     return float(first) if first < len(lags_m) else math.nan
 
 
+def spread_of(values_m: FloatArray) -> str:
+    """Return the mean, and within what 90 % are [m]."""
+    low, high = np.percentile(values_m, (5.0, 95.0))
+    return f"{values_m.mean():.0f} ({low:.0f} to {high:.0f})"
+
+
 @dataclass(frozen=True)
 class Summary:
     """One combination: |L(k)| from a corner on, and the rest over its missions."""
@@ -76,6 +83,15 @@ class Summary:
         """All |L(k)| from the corner on that counts [m]."""
         lags = [abs(lag) for m in self.missions for lag in m.lags_m[self.from_corner - 1 :]]
         return np.array(lags or [math.nan])
+
+    def extra_by_rule_m(self) -> dict[str, FloatArray]:
+        """Return how much farther than planned was flown at the corners of every rule [m]."""
+        found: dict[str, list[float]] = {}
+        for mission in self.missions:
+            for rule, extra in zip(mission.rules, mission.extra_m, strict=False):
+                if math.isfinite(extra):
+                    found.setdefault(rule, []).append(extra)
+        return {rule: np.array(extras) for rule, extras in sorted(found.items())}
 
     def values(self) -> dict[str, Estimate]:
         """Return every figure by name, with its unit."""
@@ -126,7 +142,7 @@ def _row_of(mission: Mission) -> dict[str, object]:
         "seed": mission.seed,
         "lag_m": _list(mission.lags_m),
         "extra_path_m": _list(mission.extra_m),
-        "rules": " ".join(mission.rules),
+        "corner_rules": " ".join(mission.rules),
         "separation_m": mission.separation_m,
         "separation_s": mission.separation_s,
         "coverage_percent": mission.coverage_percent,
@@ -172,6 +188,7 @@ def line_of(one: Summary) -> str:
     within, good = v["late_corners_within_percent"].value, v["converged_percent"]
     said = sorted({problem for mission in one.missions for problem in mission.problems})
     extra, corners = v["extra_path_m"], v["corners_to_converge"]
+    by_rule = [f"{rule} {spread_of(extras)}" for rule, extras in one.extra_by_rule_m().items()]
     return (
         f"{one.combination.name:34s}{v['late_lag_median_m'].value:10.1f}"
         f"{v['late_lag_p95_m'].value:8.1f}{v['late_lag_max_m'].value:8.1f}{within:8.1f}"
@@ -179,5 +196,6 @@ def line_of(one: Summary) -> str:
         f"{v['coverage_percent'].text(2):>24s}{v['rate_km2_per_h'].value:7.2f}\n"
         f"    within {one.combination.tolerance_m:g} m for good: {good.text(1)} % of missions, "
         f"after {corners.text(1)} corners; extra path {extra.text(1)} m a corner\n"
+        f"    extra path by rule, mean and 90 % of them [m]: {', '.join(by_rule) or '-'}\n"
         f"    {watched(one.missions)}" + (f"; said: {'; '.join(said)}" if said else "")
     )

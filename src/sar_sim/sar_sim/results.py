@@ -12,7 +12,7 @@ from sar_planner.parameters import CornerParameters
 from sar_planner.rule_sets import make_rule_set
 from sar_planner.rules import Rule
 from sar_planner.separation import closest_approach
-from sar_sim.campaign_table import Estimate, Summary
+from sar_sim.campaign_table import Estimate, Summary, spread_of
 
 # Ryan & Hedrick (2005): table I, and section IV-C.
 PRINTED_COVERAGE = {0.0: "99.65", 0.05: "99.63", 0.1: "99.83"}
@@ -164,18 +164,20 @@ def failure(found: Mapping[str, Sequence[Summary]]) -> str:
     for error, one in ((error, one) for error, flown in found.items() for one in flown):
         late = sorted(abs(lag) for m in one.missions for lag in m.lags_m[one.from_corner - 1 :])
         low, high = late[int(0.05 * len(late))], late[int(0.95 * (len(late) - 1))]
-        values = one.values()
+        values, curves = one.values(), one.extra_by_rule_m().get("T2")
         rows.append(
             [
                 error,
                 one.combination.name,
                 f"{low:.0f} to {high:.0f}",
                 _short(values["extra_path_m"], 0),
+                "-" if curves is None else spread_of(curves),
                 f"{values['separation_least_m'].value:.0f}",
                 f"{values['escapes'].value:.0f}",
             ]
         )
     head = ["error", "rules", "\\|L(k)\\|, 90 % of them [m]", "extra path a corner [m]"]
+    head.append("of curves (T2), 90 % of them [m]")
     return table([*head, "closest approach, least [m]", "sent away by the monitor"], rows)
 
 
