@@ -7,7 +7,7 @@ import time
 import pytest
 
 from sar_sim import bench_cli
-from sar_sim.bench import Figure, as_json, cpu_ticks, delays, memory_kb, node_name, private_kb
+from sar_sim.bench import Figure, as_json, cpu_ticks, delays, memory_kb, node_name, pace, private_kb
 
 
 def test_a_figure_is_met_or_not():
@@ -53,6 +53,13 @@ def test_a_node_is_known_by_its_command():
     assert node_name(command) == "planner"
     assert node_name("/usr/bin/python3\0-m\0sar_sim.launch_cli\0--out\0x\0") is None
     assert node_name("") is None
+
+
+def test_pace_is_of_the_flight_alone():
+    seen = [(100.0 + 0.05 * second, 7.0 + second) for second in range(50)]
+    assert pace(seen) == pytest.approx(20.0)
+    with pytest.raises(ValueError, match="1 fixes seen: expected two or more"):
+        pace(seen[:1])
 
 
 def test_delays_are_of_lists_that_were_made_for_a_fix():

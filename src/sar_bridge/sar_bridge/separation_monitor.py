@@ -319,15 +319,20 @@ class SeparationMonitor:
         led = self.escape is None and abs(self._off_mps) < LED_MPS
         late_s = min(max(now_s - uav.time_s, 0.0), self.parameters.lost_s)
         skipped = round(late_s / STEP_S)
-        path = follow(
+        cruise_mps = self._led_mps(route) if led else None
+        return self._follow(uav, route, cruise_mps, horizon_s + skipped * STEP_S)[skipped:]
+
+    def _follow(
+        self, uav: Motion, route: Route, cruise_mps: float | None, horizon_s: float
+    ) -> FloatArray:
+        return follow(
             uav,
             route,
             tuning=self.tuning,
-            cruise_mps=self._led_mps(route) if led else None,
+            cruise_mps=cruise_mps,
             wind_mps=self.wind_mps,
-            horizon_s=horizon_s + skipped * STEP_S,
+            horizon_s=horizon_s,
         )
-        return path[skipped:]
 
     def _led_mps(self, route: Route) -> float:
         """Return the speed it is led with; one far from the helicopter's is not believed."""
@@ -477,14 +482,7 @@ class SeparationMonitor:
         here = motion_at_end(flown, now_s + delay_s)
         found = []
         for end in ends(here, p.escape_reach_m):
-            away = follow(
-                here,
-                Route(end, here),
-                tuning=self.tuning,
-                cruise_mps=None,
-                wind_mps=self.wind_mps,
-                horizon_s=p.alert_horizon_s - delay_s,
-            )
+            away = self._follow(here, Route(end, here), None, p.alert_horizon_s - delay_s)
             near = self._apart(np.vstack((flown[:-2], away)), futures)
             found.append((self._worth(near), near, end))
         best, near, end = max(found, key=lambda way: way[0].value_m)

@@ -106,6 +106,78 @@ def deviation(
 
 
 @compiled(
+    "Tuple((float64[:, ::1], UniTuple(float64, 3), float64[::1], float64[::1]))"
+    "(float64[::1], float64[::1], float64[::1], boolean[::1])"
+)
+def _no_slowing(
+    times_s: FloatArray, values: FloatArray, sigmas: FloatArray, is_speed: NDArray[np.bool_]
+) -> tuple[FloatArray, tuple[float, float, float], FloatArray, FloatArray]:
+    """Return the design of constant speed (``constant_velocity``), its fit, and what is left."""
+    q, inverse = constant_velocity(times_s, is_speed, sigmas)
+    fit = np.zeros(2)
+    for i in range(times_s.size):
+        fit += q[i] * (values[i] / sigmas[i])
+    return q, inverse, fit, values / sigmas - q[:, 0] * fit[0] - q[:, 1] * fit[1]
+
+
+@compiled(
+    "UniTuple(float64, 3)(float64[::1], float64[::1], boolean[::1], float64[:, ::1], float64[::1],"
+    " float64, float64, float64)"
+)
+def _weighed(
+    times_s: FloatArray,
+    sigmas: FloatArray,
+    is_speed: NDArray[np.bool_],
+    q: FloatArray,
+    free: FloatArray,
+    speed_mps: float,
+    onset_s: float,
+    accel_mps2: float,
+) -> tuple[float, float, float]:
+    """Return a slow-down's log likelihood ratio, and what the design takes up of its shape."""
+    stopping = speed_mps / accel_mps2
+    on_free = square = taken0 = taken1 = 0.0
+    # Before the onset nothing deviates.
+    for i in range(np.searchsorted(times_s, onset_s), times_s.size):
+        shape = deviation(times_s[i] - onset_s, is_speed[i], accel_mps2, speed_mps, stopping)
+        shape /= sigmas[i]
+        on_free += shape * free[i]
+        square += shape * shape
+        taken0 += shape * q[i, 0]
+        taken1 += shape * q[i, 1]
+    # What the regression takes up of the shape is off its residual.
+    left = square - taken0 * taken0 - taken1 * taken1
+    return on_free - 0.5 * left, taken0, taken1
+
+
+@compiled(
+    "float64(float64[::1], float64[::1], float64[::1], boolean[::1], float64, float64[::1],"
+    " float64[::1], float64[::1])"
+)
+def log_bayes_factor(
+    times_s: FloatArray,
+    values: FloatArray,
+    sigmas: FloatArray,
+    is_speed: NDArray[np.bool_],
+    speed_mps: float,
+    onsets_s: FloatArray,
+    accels_mps2: FloatArray,
+    log_prior: FloatArray,
+) -> float:
+    """Return that of "slowing" against "not", over the grid of ``hypotheses``."""
+    q, _, _, free = _no_slowing(times_s, values, sigmas, is_speed)
+    logs = np.empty((onsets_s.size, accels_mps2.size))
+    for i in range(onsets_s.size):
+        for j in range(accels_mps2.size):
+            weight, _, _ = _weighed(
+                times_s, sigmas, is_speed, q, free, speed_mps, onsets_s[i], accels_mps2[j]
+            )
+            logs[i, j] = weight + log_prior[j]
+    most = float(logs.max())
+    return most + math.log(np.exp(logs - most).sum())
+
+
+@compiled(
     "float64[:, ::1](float64[::1], float64[::1], float64[::1], boolean[::1], float64,"
     " float64[::1], float64[::1], float64[::1])"
 )
@@ -124,37 +196,24 @@ def hypotheses(
     Returns a table, shape (8, m n): log weight, onset, log deceleration, deceleration, stop along
     the leg, stop time, speed, variance of the stop.
     """
-    count = times_s.size
-    q, (inverse11, inverse12, inverse22) = constant_velocity(times_s, is_speed, sigmas)
-    fit = np.zeros(2)
-    for i in range(count):
-        fit += q[i] * (values[i] / sigmas[i])
-    free = values / sigmas - q[:, 0] * fit[0] - q[:, 1] * fit[1]
+    q, inverse, fit, free = _no_slowing(times_s, values, sigmas, is_speed)
+    inverse11, inverse12, inverse22 = inverse
     c00 = inverse11 * inverse11 + inverse12 * inverse12
     c01, c11 = inverse12 * inverse22, inverse22 * inverse22
     table = np.empty((8, onsets_s.size * accels_mps2.size))
     h = 0
     for onset in onsets_s:
-        first = np.searchsorted(times_s, onset)  # before the onset nothing deviates
-        begun = onset - times_s[count - 1]
+        begun = onset - times_s[-1]
         for j in range(accels_mps2.size):
             accel = accels_mps2[j]
-            stopping = speed_mps / accel
-            on_free = square = taken0 = taken1 = 0.0
-            for i in range(first, count):
-                shape = deviation(times_s[i] - onset, is_speed[i], accel, speed_mps, stopping)
-                shape /= sigmas[i]
-                on_free += shape * free[i]
-                square += shape * shape
-                taken0 += shape * q[i, 0]
-                taken1 += shape * q[i, 1]
-            # What the regression takes up of the shape is off its residual.
-            left = square - taken0 * taken0 - taken1 * taken1
+            weight, taken0, taken1 = _weighed(
+                times_s, sigmas, is_speed, q, free, speed_mps, onset, accel
+            )
             speed = max(inverse22 * (fit[1] - taken1), 0.5)
             place = inverse11 * (fit[0] - taken0) + inverse12 * (fit[1] - taken1)
             slowing = speed / accel
             slope = begun + slowing
-            table[0, h] = on_free - 0.5 * left + log_prior[j]
+            table[0, h] = weight + log_prior[j]
             table[1, h], table[2, h], table[3, h] = onset, math.log(accel), accel
             table[4, h] = place + speed * begun + 0.5 * speed * slowing
             table[5, h], table[6, h] = onset + slowing, speed
@@ -184,6 +243,28 @@ def moments(table: FloatArray) -> FloatArray:
     return out
 
 
+def _grid(
+    onset_range_s: tuple[float, float], accel_prior: AccelPrior
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return onsets, decelerations, and the log prior of each pair by deceleration."""
+    first, last = onset_range_s
+    onsets = np.arange(first, last + 1e-9, ONSET_STEP_S)
+    accels, log_prior = accel_prior.grid()
+    return onsets, accels, log_prior - math.log(onsets.size)
+
+
+def slowing_log_bayes(
+    rows: TrackRows,
+    *,
+    onset_range_s: tuple[float, float],
+    speed_mps: float,
+    accel_prior: AccelPrior,
+) -> float:
+    """Return the log Bayes factor alone of ``stop_posterior``."""
+    measured = (rows.times_s, rows.values, rows.sigmas, rows.is_speed, speed_mps)
+    return float(log_bayes_factor(*measured, *_grid(onset_range_s, accel_prior)))
+
+
 def stop_posterior(
     rows: TrackRows,
     *,
@@ -200,10 +281,9 @@ def stop_posterior(
     reported is profiled per hypothesis. ``log_bayes_factor`` is that of "slowing" against "not".
     """
     first, last = onset_range_s
-    onsets = np.arange(first, last + 1e-9, ONSET_STEP_S)
-    accels, log_prior = accel_prior.grid()
+    onsets, accels, log_prior = _grid(onset_range_s, accel_prior)
     measured = (rows.times_s, rows.values, rows.sigmas, rows.is_speed, speed_mps)
-    table = hypotheses(*measured, onsets, accels, log_prior - math.log(onsets.size))
+    table = hypotheses(*measured, onsets, accels, log_prior)
     means, variances = moments(table).tolist()
     bayes = means[0]
     onset_step, accel_step = ONSET_STEP_S, math.log(accels[1] / accels[0])

@@ -6,7 +6,12 @@ import math
 
 import numpy as np
 
-from sar_estimator.corner_detector import AccelPrior, StopPosterior, stop_posterior
+from sar_estimator.corner_detector import (
+    AccelPrior,
+    StopPosterior,
+    slowing_log_bayes,
+    stop_posterior,
+)
 from sar_estimator.leg import MISFIT_LIMIT, LegFit, LegRow, LegTracker, fit_rows
 from sar_estimator.parameters import EstimatorParameters
 from sar_estimator.states import CornerEstimate, FloatArray, LegEstimate, Motion, Phase
@@ -98,13 +103,18 @@ class CornerTracker:
             return
         onset_range = (max(oldest, motion.time_s - ONSET_REACH_S), motion.time_s)
         rows = self._tracker.rows_since(oldest)
-        posterior = self._infer(rows, onset_range, refinements=0)
-        if posterior.log_bayes_factor > self._p.detect_log_bayes:
+        log_bayes = slowing_log_bayes(
+            fit.project(rows),
+            onset_range_s=onset_range,
+            speed_mps=fit.speed_mps,
+            accel_prior=self._prior,
+        )
+        if log_bayes > self._p.detect_log_bayes:
             self._detected_s = motion.time_s
             self._rows_from_s = oldest
             self.phase = Phase.DECELERATING
             self._publish(self._infer(rows, onset_range), motion.time_s)
-        elif posterior.log_bayes_factor < 0.0:
+        elif log_bayes < 0.0:
             self._tell_all(rows)
 
     def _tell_all(self, rows: FloatArray) -> None:
@@ -117,8 +127,6 @@ class CornerTracker:
         self,
         rows: FloatArray,
         onset_range_s: tuple[float, float],
-        *,
-        refinements: int = REFINEMENTS,
     ) -> StopPosterior:
         assert self._settled is not None
         return stop_posterior(
@@ -126,7 +134,7 @@ class CornerTracker:
             onset_range_s=onset_range_s,
             speed_mps=self._settled.speed_mps,
             accel_prior=self._prior,
-            refinements=refinements,
+            refinements=REFINEMENTS,
         )
 
     def _publish(self, posterior: StopPosterior, time_s: float) -> None:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sar_estimator.compiled import compiled
 from sar_estimator.constant_velocity import constant_velocity
@@ -76,6 +77,23 @@ def fit_line(rows: FloatArray) -> FloatArray:
     return out
 
 
+@compiled(
+    "Tuple((float64[::1], float64[::1], float64[::1], boolean[::1]))"
+    "(float64[:, ::1], float64, float64, float64, float64)"
+)
+def _along(
+    rows: FloatArray, begin_x: float, begin_y: float, ux: float, uy: float
+) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.bool_]]:
+    """Return ``TrackRows``' arrays of rows along a direction from a place."""
+    is_speed = rows[:, IS_VELOCITY] > 0.0
+    values = np.empty(rows.shape[0])
+    for i in range(rows.shape[0]):
+        values[i] = rows[i, X] * ux + rows[i, Y] * uy
+        if not is_speed[i]:
+            values[i] -= begin_x * ux + begin_y * uy
+    return rows[:, TIME].copy(), values, rows[:, SIGMA].copy(), is_speed
+
+
 @dataclass(frozen=True)
 class LegFit:
     """A constant-velocity fit to rows from ``since_s`` on, with times counted from ``time_s``.
@@ -137,14 +155,7 @@ class LegFit:
         """Return rows, shape (n, 5), measured along the fitted line, from ``position_m``."""
         speed = self.speed_mps
         ux, uy = self.velocity_mps[0] / speed, self.velocity_mps[1] / speed
-        is_velocity = rows[:, IS_VELOCITY] > 0.0
-        begin = self.position_m[0] * ux + self.position_m[1] * uy
-        return TrackRows(
-            times_s=rows[:, TIME].copy(),
-            values=rows[:, X] * ux + rows[:, Y] * uy - begin * ~is_velocity,
-            sigmas=rows[:, SIGMA].copy(),
-            is_speed=is_velocity,
-        )
+        return TrackRows(*_along(rows, *self.position_m, ux, uy))
 
 
 def fit_rows(rows: FloatArray) -> tuple[LegFit, float]:

@@ -134,6 +134,8 @@ class MotionFilters:
         self.time_s = time_s
         self._tau_s = tau_s
         self._accels = accel_sigmas_mps2
+        # What each was last carried to: a fix's time is asked for again and again.
+        self._foretold: dict[int, MotionEstimate] = {}
         self._kf = KalmanFilter(dim_x=2 * STATES, dim_z=4)
         self._kf.x = np.array([position_m[0], 0.0, 0.0, position_m[1], 0.0, 0.0] * 2)
         one = np.diag([0.0, speed_sigma_mps**2, 1.0] * 2)
@@ -154,6 +156,9 @@ class MotionFilters:
         return self._predicted(AGILE, time_s, self._accels[1])
 
     def _predicted(self, which: slice, time_s: float, sigma_mps2: float) -> MotionEstimate:
+        known = self._foretold.get(which.start)
+        if known is not None and known.motion.time_s == time_s:
+            return known
         dt = time_s - self.time_s
         state, covariance = self._kf.x[which], self._kf.P[which, which]
         if dt > 0.0:
@@ -162,10 +167,13 @@ class MotionFilters:
         else:
             covariance = covariance.copy()
         x, vx, ax, y, vy, ay = state.tolist()
-        return MotionEstimate(Motion(time_s, x, y, vx, vy, ax, ay), covariance)
+        found = MotionEstimate(Motion(time_s, x, y, vx, vy, ax, ay), covariance)
+        self._foretold[which.start] = found
+        return found
 
     def settle(self) -> None:
         """Begin the steady filter again where the agile one is."""
+        self._foretold.clear()
         self._kf.x[STEADY] = self._kf.x[AGILE]
         self._kf.P[STEADY, STEADY] = self._kf.P[AGILE, AGILE]
 
@@ -176,13 +184,16 @@ class MotionFilters:
             f, q = _both_models(round(dt, 9), self._tau_s, *self._accels)
             self._kf.predict(F=f, Q=q)
             self.time_s = time_s
+            self._foretold.clear()
 
     def update_position(self, position_m: tuple[float, float], covariance_m2: FloatArray) -> None:
         """Update with a position [m] and its covariance, shape (2, 2) [m^2]."""
+        self._foretold.clear()
         self._kf.update(np.array((*position_m, *position_m)), R=_in_both(covariance_m2), H=POSITION)
 
     def update_velocity(self, velocity_mps: tuple[float, float], sigma_mps: float) -> None:
         """Update with a velocity [m/s] of standard deviation ``sigma_mps`` on each axis."""
+        self._foretold.clear()
         self._kf.update(
             np.array((*velocity_mps, *velocity_mps)), R=np.eye(4) * sigma_mps**2, H=VELOCITY
         )

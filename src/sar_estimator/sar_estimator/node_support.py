@@ -20,6 +20,8 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.task import Future
+from std_srvs.srv import Trigger
 
 from sar_estimator.loopback import stay_on_machine
 
@@ -185,3 +187,41 @@ def run_node(name: str, make: Callable[[], Node]) -> int:
         if close is not None:
             close()
     end_process(0)
+
+
+class Persistent:
+    """Asks a service until it has granted what is asked once; then never again.
+
+    A request that is never answered is made anew after ``again_s`` [s], as is one that is refused.
+    """
+
+    def __init__(self, node: Node, service: str, again_s: float) -> None:
+        """Nothing is asked yet."""
+        self._client = node.create_client(Trigger, service)
+        self._again_s = again_s
+        self._asked: Future | None = None
+        self._asked_s = -math.inf
+        self._refused = ""
+        self.done = False
+
+    @property
+    def heard(self) -> bool:
+        """Whether the service is there."""
+        return bool(self._client.service_is_ready())
+
+    def ask(self) -> str:
+        """Ask when it is time; return what is to be told: a new refusal, or the grant."""
+        if self.done:
+            return ""
+        told = ""
+        if self._asked is not None and self._asked.done():
+            answer = self._asked.result()
+            self._asked = None
+            self.done = bool(answer.success)
+            if self.done or answer.message != self._refused:
+                told = self._refused = answer.message
+        now = time.monotonic()
+        if not self.done and now - self._asked_s > self._again_s and self.heard:
+            self._asked_s = now
+            self._asked = self._client.call_async(Trigger.Request())
+        return told

@@ -72,6 +72,17 @@ def node_name(cmdline: str) -> str | None:
     return words[at - 1].rsplit("/", 1)[-1] if at else None
 
 
+def pace(seen: list[tuple[float, float]]) -> float:
+    """Return how many times faster than real time a flight went: of wall times and stamps [s].
+
+    Raises ``ValueError`` where fewer than two were seen.
+    """
+    if len(seen) < 2:
+        raise ValueError(f"{len(seen)} fixes seen: expected two or more")
+    (first_s, first_stamp), (last_s, last_stamp) = seen[0], seen[-1]
+    return (last_stamp - first_stamp) / (last_s - first_s)
+
+
 def delays(
     fixes_s: list[float], lists_s: dict[float, float], accepted_s: dict[float, float], most_s: float
 ) -> list[tuple[float, float]]:

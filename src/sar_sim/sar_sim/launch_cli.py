@@ -18,13 +18,11 @@ from ament_index_python.packages import get_package_prefix
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
-from rclpy.task import Future
-from std_srvs.srv import Trigger
 
 from sar_bridge.link import opener
 from sar_estimator import topics
 from sar_estimator.messages import from_stamp
-from sar_estimator.node_support import RELIABLE, start_ros
+from sar_estimator.node_support import RELIABLE, Persistent, start_ros
 from sar_planner.parameters import PLANNERS, ParameterError
 from sar_sim.dds_cut import DdsCut
 from sar_sim.faults import NodeFaults
@@ -107,35 +105,6 @@ class Watcher(Node):
         return "  ".join([*parts, worst]).rstrip()
 
 
-class Engaging:
-    """Asks the planner to engage until it has once; then never again, whoever takes the UAV."""
-
-    def __init__(self, node: Node) -> None:
-        """Nothing is asked yet."""
-        self._client = node.create_client(Trigger, topics.ENGAGE)
-        self._asked: Future | None = None
-        self._asked_s = -math.inf
-        self._refused = ""
-        self.done = False
-
-    def ask(self) -> str:
-        """Ask when it is time; return what is to be told: a new refusal, or that it is engaged."""
-        if self.done:
-            return ""
-        told = ""
-        if self._asked is not None and self._asked.done():
-            answer = self._asked.result()
-            self._asked = None
-            self.done = bool(answer.success)
-            if self.done or answer.message != self._refused:
-                told = self._refused = answer.message
-        now = time.monotonic()
-        if not self.done and now - self._asked_s > ASK_AGAIN_S and self._client.service_is_ready():
-            self._asked_s = now
-            self._asked = self._client.call_async(Trigger.Request())
-        return told
-
-
 class Flight:
     """The running nodes of one flight."""
 
@@ -199,7 +168,7 @@ class Flight:
         """Return a node that has ended, None while all run."""
         return next((node for node in self.nodes if node.exit_code is not None), None)
 
-    def watch(self, watcher: Watcher, engaging: Engaging | None) -> NodeProcess | None:
+    def watch(self, watcher: Watcher, engaging: Persistent | None) -> NodeProcess | None:
         """Show progress until a node ends for good or a signal comes; return the node."""
         terminal = sys.stdout.isatty()
         told = 0.0
@@ -304,7 +273,7 @@ def main(argv: list[str] | None = None) -> int:
         return 2
     start_ros(signal_handler_options=SignalHandlerOptions.NO)
     watcher = Watcher()
-    engaging = Engaging(watcher) if args.engage else None
+    engaging = Persistent(watcher, topics.ENGAGE, ASK_AGAIN_S) if args.engage else None
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, flight.on_signal)
     failed = None

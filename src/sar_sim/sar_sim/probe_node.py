@@ -20,7 +20,7 @@ from sar_estimator import topics
 from sar_estimator.messages import from_stamp, to_stamp
 from sar_estimator.node_support import LATCHED, RELIABLE, start_ros
 from sar_sim.bare_chain_node import ACCEPTED, FIX
-from sar_sim.bench import delays
+from sar_sim.bench import delays, pace
 from sar_sim.processes import launch_command
 
 HOPS = ("estimator", "planner", "monitor", "bridge")
@@ -35,9 +35,12 @@ class Probe(Node):
     """Notes when fixes, lists and acceptances are seen, by the wall's clock."""
 
     def __init__(self) -> None:
-        """Listen to the graph and to the bare chain."""
+        """Listen to the graph and to the bare chain.
+
+        ``fixes``: when they were seen, and their stamps.
+        """
         super().__init__("probe")
-        self.fixes_s: list[float] = []
+        self.fixes: list[tuple[float, float]] = []
         self.lists_s: dict[float, float] = {}
         self.accepted_s: dict[float, float] = {}
         self.bare_s: list[float] = []
@@ -48,8 +51,8 @@ class Probe(Node):
         self.create_subscription(String, topics.UPLOADED, self._on_accepted, RELIABLE)
         self.create_subscription(String, ACCEPTED, self._on_bare, RELIABLE)
 
-    def _on_fix(self, _message: Any) -> None:
-        self.fixes_s.append(time.perf_counter())
+    def _on_fix(self, message: Any) -> None:
+        self.fixes.append((time.perf_counter(), from_stamp(message.header.stamp)))
 
     def _on_list(self, message: Any) -> None:
         self.lists_s[from_stamp(message.header.stamp)] = time.perf_counter()
@@ -79,9 +82,9 @@ def _spin(probe: Probe, seconds: float) -> None:
         rclpy.spin_once(probe, timeout_sec=max(0.0, until - time.monotonic()))
 
 
-def graph_delays_s(out: Path) -> list[tuple[float, float]]:
-    """Fly at real time; return fix to list and list to acceptance [s] of every list for a fix."""
-    command = launch_command(out, "--scenario", "short", "--speed", "1")
+def _flown(out: Path, *options: str) -> Probe:
+    """Fly with ``launch``'s options, ``FLOWN_S`` at most; return what was seen."""
+    command = launch_command(out, *options)
     probe = _probe()
     flight = subprocess.Popen(  # noqa: S603
         command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
@@ -95,7 +98,19 @@ def graph_delays_s(out: Path) -> list[tuple[float, float]]:
         flight.wait()
         probe.destroy_node()
         rclpy.try_shutdown()
-    found = delays(probe.fixes_s, probe.lists_s, probe.accepted_s, FOR_THE_FIX_S)
+    return probe
+
+
+def flown_pace(out: Path, scenario: str, speed: int) -> float:
+    """Fly a scenario; return how many times faster than real time it went in flight."""
+    return pace(_flown(out, "--scenario", scenario, "--speed", str(speed)).fixes)
+
+
+def graph_delays_s(out: Path) -> list[tuple[float, float]]:
+    """Fly at real time; return fix to list and list to acceptance [s] of every list for a fix."""
+    probe = _flown(out, "--scenario", "short", "--speed", "1")
+    walls = [wall_s for wall_s, _ in probe.fixes]
+    found = delays(walls, probe.lists_s, probe.accepted_s, FOR_THE_FIX_S)
     if not found:
         raise OSError("no list was made for a fix and accepted: expected some at every corner")
     return found

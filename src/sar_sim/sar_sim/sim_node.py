@@ -19,7 +19,6 @@ from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import NavSatFix
 from std_msgs.msg import String
-from std_srvs.srv import Trigger
 
 from sar_estimator import topics
 from sar_estimator.geodesy import Datum
@@ -35,6 +34,7 @@ from sar_estimator.node_support import (
     LATCHED,
     RELIABLE,
     Answers,
+    Persistent,
     end_process,
     hear_until,
     now_s,
@@ -99,9 +99,9 @@ class SimNode(Node):
         self._scenario = self.create_publisher(String, topics.SCENARIO, LATCHED)
         self._scenario.publish(text_message(scenario_text(scenario)))
         self._corners = list(self._world.corners)
-        self._engage = self.create_client(Trigger, topics.ENGAGE)
-        self._asked: rclpy.Future | None = None
-        self._asked_at, self._engaged, self._steps = 0.0, False, 0
+        # A simulated UAV is engaged from here; a real one's operator does so himself.
+        self._engaging = Persistent(self, topics.ENGAGE, ENGAGE_PERIOD_S / self._speed)
+        self._steps = 0
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self)
 
@@ -143,7 +143,8 @@ class SimNode(Node):
             if now - last_spin > SPIN_PERIOD_S:
                 last_spin = now
                 self._executor.spin_once(timeout_sec=0.0)
-                self._ask_to_engage(now)
+                if self._link is not None:
+                    self._engaging.ask()
 
     def _on_uav_clock(self, message: Clock) -> None:
         """Go on by the autopilot's clock."""
@@ -166,7 +167,7 @@ class SimNode(Node):
             absent = 0 if self._live else self._listeners - self._fix.get_subscription_count()
             if absent > 0:
                 missing.append(f"{absent} of the listeners on {topics.FIX}")
-            if not self._engage.service_is_ready():
+            if not self._engaging.heard:
                 missing.append(f"the service {topics.ENGAGE}")
             if missing:
                 ready_s = math.inf
@@ -216,17 +217,6 @@ class SimNode(Node):
         for topic, message in self._world.truth(stamp, uav=simulated):
             sender = self._true_uav if topic == topics.TRUE_UAV else self._true_helicopter
             sender.publish(message)
-
-    def _ask_to_engage(self, now: float) -> None:
-        """Ask the planner to lead the simulated UAV; a real one's operator does so himself."""
-        if self._engaged or self._link is None:
-            return
-        if self._asked is not None and self._asked.done():
-            self._engaged = bool(self._asked.result().success)
-            self._asked = None
-        elif self._asked is None and now - self._asked_at > ENGAGE_PERIOD_S / self._speed:
-            self._asked_at = now
-            self._asked = self._engage.call_async(Trigger.Request())
 
 
 def main() -> int:
