@@ -148,6 +148,33 @@ def _soonest_word(  # noqa: PLR0917 - compiled functions take arguments by posit
     return math.inf
 
 
+@compiled("boolean(uint64[:, :, ::1], int64, int64, int64)")
+def _is_first(seen: NDArray[np.uint64], column: int, line: int, around: int) -> bool:
+    """Whether nothing has come into a cell before, and it is one of the grid; note that it has.
+
+    ``seen``: a bit for every heading.
+    """
+    if not (0 <= column < seen.shape[0] and 0 <= line < seen.shape[1]):
+        return False
+    bit = np.uint64(1) << np.uint64(around % 64)
+    if seen[column, line, around // 64] & bit:
+        return False
+    seen[column, line, around // 64] |= bit
+    return True
+
+
+@compiled("int64[::1](int64, int64[::1], int64[::1])")
+def _turns_to(pose: int, came: NDArray[np.int64], turned: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the turns of the steps from the first pose to one; ``came``: from which each did."""
+    count, at = 0, pose
+    while at > 0:
+        count, at = count + 1, came[at]
+    sides, at = np.empty(count, dtype=np.int64), pose
+    for i in range(count - 1, -1, -1):
+        sides[i], at = turned[at], came[at]
+    return sides
+
+
 @compiled(
     "Tuple((float64, int64[::1], float64[::1], int64))(UniTuple(float64, 2), int64, float64[::1],"
     " float64, float64, float64[::1], float64[::1], float64[:, :, ::1], float64, float64)"
@@ -175,7 +202,7 @@ def _search(  # noqa: PLR0917 - compiled functions take arguments by position
     step_m, cell_m, reach_m = sizes_radii[0] * radius, sizes_radii[1] * radius, REACH_RADII * radius
     slot, fastest = speeds_mps[0], speeds_mps[2]
     step_s, across = step_m / fastest, int(2.0 * reach_m / cell_m)
-    seen = np.zeros((across, across, headings), dtype=np.bool_)
+    seen = np.zeros((across, across, headings // 64 + 1), dtype=np.uint64)
     poses, came, turned = (
         np.empty((MOST_POSES, 3)),
         np.empty(MOST_POSES, dtype=np.int64),
@@ -206,21 +233,13 @@ def _search(  # noqa: PLR0917 - compiled functions take arguments by position
                 column = int((x - slot_x - slot * step_s + reach_m) // cell_m)
                 line = int((y + reach_m) // cell_m)
                 around = int((heading / (2.0 * math.pi)) % 1.0 * headings) % headings
-                inside = 0 <= column < across and 0 <= line < across
-                if not inside or seen[column, line, around] or total >= MOST_POSES:
+                if total >= MOST_POSES or not _is_first(seen, column, line, around):
                     continue
-                seen[column, line, around] = True
                 poses[total, 0], poses[total, 1], poses[total, 2] = x, y, heading
                 came[total], turned[total] = i, side
                 total += 1
         begin, end, now = end, total, now + step_s
-    count, at = 0, who
-    while at > 0:
-        count, at = count + 1, came[at]
-    sides, at = np.empty(count, dtype=np.int64), who
-    for i in range(count - 1, -1, -1):
-        sides[i], at = turned[at], came[at]
-    return best if who >= 0 else math.inf, sides, best_word, total
+    return best if who >= 0 else math.inf, _turns_to(who, came, turned), best_word, total
 
 
 def soonest_on_grids(
@@ -243,6 +262,8 @@ def soonest_on_grids(
     Grids are laid ever finer until one holds more than ``MANY_POSES``: where there is little room
     the fine ones are small, and needed.
     """
+    if speeds_mps[2] <= speeds_mps[0]:
+        return []
     begin = np.array((start.x_m, start.y_m, start.heading_rad))
     radii = radii_m(radius_m)
     found: list[tuple[FlightPath, float]] = []
