@@ -244,6 +244,9 @@ def test_wind_and_the_autopilots_parameters_are_heeded():
     assert "expected 12 to 25" in plan.problem
     plan.set_wind((math.nan, 0.0))
     assert plan.wind_mps == (-8.0, 0.0)
+    plan.disengage()
+    plan.set_vehicle(Vehicle({"AIRSPEED_MAX": 18.0}))
+    assert "AIRSPEED_MAX = 18" in plan.engage(100.2)
 
 
 def test_the_autopilot_is_told_an_indicated_airspeed():
@@ -257,9 +260,6 @@ def test_the_autopilot_is_told_an_indicated_airspeed():
     plan.update(100.1)
     assert plan.airspeed_mps == pytest.approx(27.0 / 1.1)
     assert plan.problem == ""
-    plan.disengage()
-    plan.set_vehicle(Vehicle({"AIRSPEED_MAX": 18.0}))
-    assert "AIRSPEED_MAX = 18" in plan.engage(100.2)
 
 
 def test_a_path_that_ends_beside_the_slot_is_left_when_it_has_been_flown():

@@ -116,7 +116,7 @@ def test_the_soonest_capture_is_that_of_all_of_its_kind(start, name):
 
 
 def test_a_way_that_hugs_the_moving_disc_is_looked_for():
-    # Beside a helicopter that still slows for its corner: 343 s without a first turn more.
+    # Beside a helicopter that still slows for its corner: 343 s without the grids.
     stop = Pose(0.0, 250.0, math.pi / 2)
     corner = cornering(-0.2166, stop, speed_mps=20.0, accel_mps2=2.5)
     start = Pose(-285.8, 341.31, 0.0375)

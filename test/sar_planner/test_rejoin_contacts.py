@@ -15,6 +15,7 @@ from sar_planner.rejoin_around import Limits
 from sar_planner.rejoin_bound import lower_bound_s, unhindered_s
 from sar_planner.rejoin_contacts import (
     WORD_STEP_S,
+    _Moving,
     _reached,
     clear_word_s,
     contacts_of,
@@ -69,7 +70,7 @@ def test_a_hop_waits_until_its_word_is_clear():
 
     assert first_s(1e4, 1e4, 0.0) == pytest.approx(met)
     assert first_s(0.0, 100.0, 20.0) == math.inf
-    # It stands 150 m beside the way, ahead: only a word that turns about is clear of it.
+    # It stands behind, and is not in the way.
     assert first_s(-400.0, 150.0, 0.0) == pytest.approx(met)
 
 
@@ -86,7 +87,8 @@ def test_contacts_behind_the_disc_are_reached_around_it_only():
     shortest = np.nanmin(lengths_m(words(asked.start, there, 100.0), 100.0), axis=0)
     assert (shortest <= 22.0 * times).all()
     poses = there - np.outer(stands.slot_x_m(0.0) + 20.0 * times, (1.0, 0.0, 0.0))
-    assert _reached(asked, LIMITS, times, poses).tolist() == [True] * 11 + [False]
+    moving = _Moving(times, poses, np.zeros(12))
+    assert _reached(asked, LIMITS, moving).tolist() == [True] * 11 + [False]
 
 
 @pytest.fixture(scope="module")

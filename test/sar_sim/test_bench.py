@@ -88,8 +88,10 @@ def test_parts_are_chosen_by_name(tmp_path, capsys):
 def test_a_flight_that_fails_is_one_line(monkeypatch, capsys):
     monkeypatch.setattr(bench_cli, "SETTLING_S", 0.2)
     monkeypatch.setattr(bench_cli, "SAMPLED_S", 0.1)
-    launch = bench_cli._launch
-    monkeypatch.setattr(bench_cli, "_launch", lambda out, *_: launch(out, "--scenario", "nowhere"))
+    launch = bench_cli.start_flight
+    monkeypatch.setattr(
+        bench_cli, "start_flight", lambda out, *_: launch(out, "--scenario", "nowhere")
+    )
     monkeypatch.setattr(bench_cli, "_used", lambda _: (0.0, 0.0))
     assert bench_cli.main(["--only", "load"]) == 1
     assert capsys.readouterr().err.startswith("bench: the flight failed: ")

@@ -18,22 +18,33 @@ from sar_planner.geometry import FloatArray
 SAMPLE_M = 5.0
 
 
+@compiled("UniTuple(float64, 2)(float64, float64, float64, float64, float64)")
+def arc_end(
+    x: float, y: float, heading: float, bend: float, length_m: float
+) -> tuple[float, float]:
+    """Return x and y behind an arc begun at a pose, or behind a straight: ``bend`` 0."""
+    if bend == 0.0:
+        return x + length_m * math.cos(heading), y + length_m * math.sin(heading)
+    half = 0.5 * bend * length_m
+    chord = length_m if abs(half) < 1e-9 else length_m * math.sin(half) / half
+    return x + chord * math.cos(heading + half), y + chord * math.sin(heading + half)
+
+
 @compiled("UniTuple(float64, 2)(float64[:, ::1], int64, float64)")
 def place(parts: FloatArray, part: int, flown_m: float) -> tuple[float, float]:
     """Return x and y at a distance flown, on this part of a path."""
     along = flown_m - parts[4, part]
-    bend = parts[3, part]
-    heading = parts[2, part]
-    if bend == 0.0:
-        return parts[0, part] + along * math.cos(heading), parts[1, part] + along * math.sin(
-            heading
-        )
-    half = 0.5 * bend * along
-    chord = along if abs(half) < 1e-9 else along * math.sin(half) / half
-    return (
-        parts[0, part] + chord * math.cos(heading + half),
-        parts[1, part] + chord * math.sin(heading + half),
-    )
+    return arc_end(parts[0, part], parts[1, part], parts[2, part], parts[3, part], along)
+
+
+@compiled("float64(float64[:, ::1], int64, float64)")
+def _run_m(forecast: FloatArray, stretch: int, now_s: float) -> float:
+    """Return how far the helicopter is along a stretch of its forecast at a time."""
+    after = now_s - forecast[0, stretch]
+    run: float = forecast[5, stretch] * after
+    if after > 0.0:
+        run += 0.5 * forecast[6, stretch] * after * after
+    return run
 
 
 @compiled("UniTuple(float64, 2)(float64[:, ::1], float64)")
@@ -42,10 +53,7 @@ def position_at(forecast: FloatArray, now_s: float) -> tuple[float, float]:
     stretch = 0
     while stretch + 1 < forecast.shape[1] and forecast[0, stretch + 1] <= now_s:
         stretch += 1
-    after = now_s - forecast[0, stretch]
-    run = forecast[5, stretch] * after
-    if after > 0.0:
-        run += 0.5 * forecast[6, stretch] * after * after
+    run = _run_m(forecast, stretch, now_s)
     return (
         forecast[1, stretch] + forecast[3, stretch] * run,
         forecast[2, stretch] + forecast[4, stretch] * run,
@@ -131,10 +139,7 @@ def least_apart(
         now = start_s + since
         while stretch + 1 < forecast.shape[1] and forecast[0, stretch + 1] <= now:
             stretch += 1
-        after = now - forecast[0, stretch]
-        run = forecast[5, stretch] * after
-        if after > 0.0:
-            run += 0.5 * forecast[6, stretch] * after * after
+        run = _run_m(forecast, stretch, now)
         gap_x = x - forecast[1, stretch] - forecast[3, stretch] * run
         gap_y = y - forecast[2, stretch] - forecast[4, stretch] * run
         apart = math.sqrt(gap_x * gap_x + gap_y * gap_y)

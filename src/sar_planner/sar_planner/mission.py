@@ -136,8 +136,9 @@ class MissionPlanner:
 
     def set_status(self, status: UavStatus) -> None:
         """Take the autopilot's status; a mode that somebody else chose ends the engagement."""
-        self.status = status
-        self._set_air()
+        told, self.status = self.status, status
+        if status.airspeed_ratio != told.airspeed_ratio:
+            self._set_air()
         if not self.engaged or not status.connected:
             return
         if status.mode not in ENGAGE_MODES or (self._in_auto and status.mode != "AUTO"):

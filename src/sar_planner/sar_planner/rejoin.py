@@ -293,6 +293,20 @@ class _Search:
             d_turn, d_speed, spread = 0.5 * d_turn, 0.5 * d_speed, 0.6 * spread
         return one
 
+    def on_grids(self, before_s: float) -> list[tuple[FlightPath, float]]:
+        """Return paths on grids that take less than ``before_s``: ``soonest_on_grids``."""
+        task = self.task
+        return soonest_on_grids(
+            task.start,
+            task.start_s,
+            task.forecast.slot_x_m(task.start_s),
+            (task.forecast.speed_mps, task.slowest_mps, task.fastest_mps),
+            task.turn_radius_m,
+            self._forecasts,
+            needed_m=self.needed_m,
+            before_s=task.start_s + before_s,
+        )
+
     def captures(self) -> _Found:
         """Return all captures over the grid of headings, whatever separation they keep."""
         task = self.task
@@ -331,17 +345,7 @@ def rejoin(task: RejoinTask) -> RejoinPlan | None:
 
 def _on_grids(task: RejoinTask, plan: RejoinPlan) -> RejoinPlan:
     """Return a sooner plan from grids of poses, else the plan."""
-    found = soonest_on_grids(
-        task.start,
-        task.start_s,
-        task.forecast.slot_x_m(task.start_s),
-        (task.forecast.speed_mps, task.slowest_mps, task.fastest_mps),
-        task.turn_radius_m,
-        tables_of(task.forecasts),
-        needed_m=task.separation_m + sampling_slack_m(task.separation_m, task.turn_radius_m),
-        before_s=task.start_s + plan.duration_s,
-    )
-    for path, met_s in found:
+    for path, met_s in _Search(task).on_grids(plan.duration_s):
         plan = _sooner(task, plan, path, met_s - task.start_s)
     return plan
 

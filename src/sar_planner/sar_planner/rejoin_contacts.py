@@ -39,6 +39,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,7 @@ from numpy.typing import NDArray
 from sar_estimator.plane import Pose
 from sar_planner.captures import PathBatch, radii_m
 from sar_planner.dubins import lengths_m, words
-from sar_planner.forecast import cruising
+from sar_planner.forecast import Forecast, cruising
 from sar_planner.geometry import CornerFrame, FloatArray
 from sar_planner.rejoin import RejoinTask, timed_words
 from sar_planner.rejoin_around import Around, Limits, seen_from
@@ -187,15 +188,16 @@ class Contacts:
 
 
 def hindered_s(task: RejoinTask, contacts: Contacts, upper_s: float) -> float:
-    """Return the least time [s] by a clear word or by a first contact, at most ``upper_s``."""
+    """Return the least time [s] by a clear word or by contacts, at most ``upper_s``."""
     best = min(upper_s, clear_word_s(task, upper_s))
     best = _by_cruise_contact_s(task, contacts, best)
     if task.forecast.steady_s <= task.start_s:
         return best
-    first = _by_first_moving_contact_s(task, contacts, best)
+    moving = _moving_contacts(task, contacts.limits, best)
+    first = _by_first_moving_contact_s(task, contacts.limits, moving, best)
     if first * CLOSE_SHARE >= best:
         return first
-    return _by_last_moving_contact_s(task, contacts, best, enough_s=first)
+    return _by_last_moving_contact_s(task, contacts, moving, best, enough_s=first)
 
 
 def _kept(limits: Limits) -> tuple[tuple[float, float, float], FloatArray, float]:
@@ -204,9 +206,9 @@ def _kept(limits: Limits) -> tuple[tuple[float, float, float], FloatArray, float
     return speeds, radii_m(limits.turn_radius_m), limits.separation_m - TOLERANCE_M
 
 
-def _helicopter_seen(task: RejoinTask) -> FloatArray:
-    """Return the helicopter's forecast as seen from the start, shape (7, m)."""
-    return task.forecast.in_frame(CornerFrame(task.start, 1)).table
+def _helicopter_seen(forecast: Forecast, here: Pose) -> FloatArray:
+    """Return the helicopter's forecast as seen from a pose, shape (7, m)."""
+    return forecast.in_frame(CornerFrame(here, 1)).table
 
 
 def _start(task: RejoinTask) -> FloatArray:
@@ -220,7 +222,7 @@ def _by_cruise_contact_s(task: RejoinTask, contacts: Contacts, upper_s: float) -
     low = limits.straight_s(poses[:, :2] - start[:, :2])
     low = np.maximum(low, task.forecast.steady_s - task.start_s)
     order = np.argsort(low + left, kind="stable")
-    helicopter = _helicopter_seen(task)
+    helicopter = _helicopter_seen(task.forecast, task.start)
     best = upper_s
     for begin in range(0, len(order), CHUNK):
         chosen = order[begin : begin + CHUNK]
@@ -234,14 +236,20 @@ def _by_cruise_contact_s(task: RejoinTask, contacts: Contacts, upper_s: float) -
     return best
 
 
-def _moving_contacts(
-    task: RejoinTask, limits: Limits, upper_s: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return contacts before the helicopter cruises that a path of ``upper_s`` [s] can have.
+class _Moving(NamedTuple):
+    """Contacts before the helicopter cruises: their times from the start, shape (n,) [s].
 
-    Their times from the start [s], their poses in the slot's frame then, shape (n, 3), and the
-    least times [s] that are left from there; by straight ways.
+    ``poses``: in the slot's frame then, shape (n, 3); ``low_s``: the least times that are left from
+    there, by straight ways.
     """
+
+    times_s: FloatArray
+    poses: FloatArray
+    low_s: FloatArray
+
+
+def _moving_contacts(task: RejoinTask, limits: Limits, upper_s: float) -> _Moving:
+    """Return the contacts before the helicopter cruises that a path of ``upper_s`` [s] can have."""
     forecast, start = task.forecast, _start(task)
     each = np.arange(0.0, forecast.steady_s - task.start_s, MOVING_STEP_S)
     angles = np.arange(0.0, 2.0 * math.pi - 1e-9, MOVING_STEP_RAD)
@@ -264,91 +272,83 @@ def _moving_contacts(
     low = limits.straight_s(-poses[:, :2])
     ahead = limits.straight_s(poses[:, :2] - start[:, :2])
     near = (ahead <= times + MOVING_STEP_S) & (times + low < upper_s)
-    return times[near], poses[near], low[near]
+    return _Moving(times[near], poses[near], low[near])
 
 
-def _by_first_moving_contact_s(task: RejoinTask, contacts: Contacts, upper_s: float) -> float:
+def _clear_from(
+    task: RejoinTask, limits: Limits, begin: FloatArray, begun_s: float, moving: _Moving
+) -> NDArray[np.bool_]:
+    """Return which contacts are met in their times by a clear word from a pose, shape (3,).
+
+    ``begin``: in the slot's frame, ``begun_s`` [s] after the start.
+    """
+    at_s = task.start_s + begun_s
+    here = Pose(begin[0] + task.forecast.slot_x_m(at_s), begin[1], begin[2])
+    speeds, radii, clear_m = _kept(limits)
+    return clear_hops(
+        seen_from(np.repeat(begin[None, :], len(moving.poses), axis=0), moving.poses),
+        moving.times_s - begun_s,
+        _helicopter_seen(task.forecast, here),
+        at_s,
+        speeds,
+        MOVING_SLACK_M,
+        radii,
+        clear_m,
+    )
+
+
+def _by_first_moving_contact_s(
+    task: RejoinTask, limits: Limits, moving: _Moving, upper_s: float
+) -> float:
     """Return the least time by a first contact before the helicopter cruises."""
-    limits, start = contacts.limits, _start(task)
-    times, poses, low = _moving_contacts(task, limits, upper_s)
+    start, best = _start(task)[0], upper_s
+    times, poses, low = moving
     order = np.argsort(times + low, kind="stable")
-    helicopter, best = _helicopter_seen(task), upper_s
     for begin in range(0, len(order), CHUNK):
         chosen = order[begin : begin + CHUNK]
         if times[chosen[0]] + low[chosen[0]] >= best:
             break
-        seen = seen_from(np.repeat(start, len(chosen), axis=0), poses[chosen])
-        speeds, radii, clear_m = _kept(limits)
-        clear = clear_hops(
-            seen,
-            times[chosen],
-            helicopter,
-            task.start_s,
-            speeds,
-            MOVING_SLACK_M,
-            radii,
-            clear_m,
-        )
-        chosen = chosen[clear]
+        part = _Moving(times[chosen], poses[chosen], low[chosen])
+        chosen = chosen[_clear_from(task, limits, start, 0.0, part)]
         slots = seen_from(poses[chosen], np.zeros((len(chosen), 3)))
         left = limits.first_fit_s(slots, low[chosen], best - times[chosen])
         best = min(best, float((times[chosen] + left).min(initial=math.inf)))
     return best
 
 
-def _reached(
-    task: RejoinTask, limits: Limits, times_s: FloatArray, poses: FloatArray
-) -> NDArray[np.bool_]:
-    """Return which contacts can be reached in their times, one after another, past the helicopter.
-
-    ``poses``: in the slot's frame at the times, shape (n, 3).
-    """
-    speeds, radii, clear_m = _kept(limits)
-
-    def clear(begin: FloatArray, begun_s: float, chosen: NDArray[np.intp]) -> NDArray[np.bool_]:
-        at_s = task.start_s + begun_s
-        here = Pose(begin[0] + task.forecast.slot_x_m(at_s), begin[1], begin[2])
-        return clear_hops(
-            seen_from(np.repeat(begin[None, :], len(chosen), axis=0), poses[chosen]),
-            times_s[chosen] - begun_s,
-            task.forecast.in_frame(CornerFrame(here, 1)).table,
-            at_s,
-            speeds,
-            MOVING_SLACK_M,
-            radii,
-            clear_m,
-        )
-
-    reached = clear(_start(task)[0], 0.0, np.arange(len(times_s)))
-    for i in np.argsort(times_s, kind="stable"):
+def _reached(task: RejoinTask, limits: Limits, moving: _Moving) -> NDArray[np.bool_]:
+    """Return which contacts can be reached in their times, past the helicopter, one by one."""
+    times, poses, low = moving
+    reached = _clear_from(task, limits, _start(task)[0], 0.0, moving)
+    for i in np.argsort(times, kind="stable"):
         if reached[i]:
-            left = np.flatnonzero(~reached & (times_s > times_s[i]))
-            reached[left] = clear(poses[i], float(times_s[i]), left)
+            left = np.flatnonzero(~reached & (times > times[i]))
+            part = _Moving(times[left], poses[left], low[left])
+            reached[left] = _clear_from(task, limits, poses[i], float(times[i]), part)
     return reached
 
 
 def _by_last_moving_contact_s(
-    task: RejoinTask, contacts: Contacts, upper_s: float, enough_s: float
+    task: RejoinTask, contacts: Contacts, moving: _Moving, upper_s: float, *, enough_s: float
 ) -> float:
     """Return the least time by a last contact before the helicopter cruises.
 
     It is not looked for below ``enough_s``.
     """
     limits, forecast = contacts.limits, task.forecast
-    times, poses, _ = _moving_contacts(task, limits, upper_s)
-    there = poses.copy()
-    there[:, 0] += forecast.slot_x_m(task.start_s) + limits.slot_mps * times
+    there = moving.poses.copy()
+    there[:, 0] += forecast.slot_x_m(task.start_s) + limits.slot_mps * moving.times_s
     lengths = lengths_m(words(task.start, there, limits.turn_radius_m), limits.turn_radius_m)
     shortest_m = np.fmin.reduce(lengths, axis=0)
-    can = shortest_m <= limits.fastest_mps * times + MOVING_SLACK_M
-    times, poses, there = times[can], poses[can], there[can]
-    least = times + limits.to_slot_s(poses)
-    least[~_reached(task, limits, times, poses)] = math.inf
+    can = shortest_m <= limits.fastest_mps * moving.times_s + MOVING_SLACK_M
+    moving, there = _Moving(*(part[can] for part in moving)), there[can]
+    least = moving.times_s + limits.to_slot_s(moving.poses)
+    least[~_reached(task, limits, moving)] = math.inf
     best = upper_s
     for i in np.argsort(least, kind="stable"):
         if least[i] >= best or best <= enough_s:
             break
-        begun, (x, y, heading) = float(times[i]), there[i].tolist()
+        begun, (x, y, heading) = float(moving.times_s[i]), there[i].tolist()
         rest = replace(task, start=Pose(x, y, heading), start_s=task.start_s + begun)
         left = min(best - begun, clear_word_s(rest, best - begun))
         best = begun + _by_cruise_contact_s(rest, contacts, left)

@@ -19,7 +19,7 @@ from sar_estimator.plane import Pose
 from sar_planner.captures import PathBatch, radii_m
 from sar_planner.dubins import fill_words
 from sar_planner.geometry import Arc, FlightPath, FloatArray, Segment, Straight
-from sar_planner.kernels import position_at
+from sar_planner.kernels import arc_end, position_at
 
 REACH_RADII = 15.0
 MOST_POSES = 200_000
@@ -49,9 +49,7 @@ def _is_clear(  # noqa: PLR0917 - compiled functions take arguments by position
     count = int(length_m / SAMPLE_M) + 1
     for i in range(1, count + 1):
         along = length_m * i / count
-        half = 0.5 * bend * along
-        chord = along if abs(half) < 1e-9 else along * math.sin(half) / half
-        at_x, at_y = x + chord * math.cos(heading + half), y + chord * math.sin(heading + half)
+        at_x, at_y = arc_end(x, y, heading, bend, along)
         now = begun_s + along / speed_mps
         for f in range(forecasts.shape[0]):
             there_x, there_y = position_at(forecasts[f], now)
@@ -66,10 +64,8 @@ def _after(
     x: float, y: float, heading: float, bend: float, length_m: float
 ) -> tuple[float, float, float]:
     """Return the pose behind an arc, or a straight."""
-    half = 0.5 * bend * length_m
-    chord = length_m if abs(half) < 1e-9 else length_m * math.sin(half) / half
-    course = heading + half
-    return x + chord * math.cos(course), y + chord * math.sin(course), heading + 2.0 * half
+    end_x, end_y = arc_end(x, y, heading, bend, length_m)
+    return end_x, end_y, heading + bend * length_m
 
 
 @compiled(

@@ -28,16 +28,19 @@ class Vehicle:
         damping = self.values.get("NAVL1_DAMPING", 0.75)
         return L1Tuning(period, damping, mission.turn_share, mission.roll_lag_s)
 
+    @property
+    def airspeeds_mps(self) -> tuple[float, float]:
+        """The slowest and the fastest indicated airspeed that the autopilot flies."""
+        return self.values.get("AIRSPEED_MIN", 0.0), self.values.get("AIRSPEED_MAX", math.inf)
+
     def air(self, wind_mps: tuple[float, float], airspeed_ratio: float = 1.0) -> AirEnvelope:
         """Return its true airspeeds, in a wind; ``airspeed_ratio``: true over indicated."""
-        slowest = airspeed_ratio * self.values.get("AIRSPEED_MIN", 0.0)
-        fastest = airspeed_ratio * self.values.get("AIRSPEED_MAX", math.inf)
-        return AirEnvelope(slowest, fastest, wind_mps)
+        slowest, fastest = self.airspeeds_mps
+        return AirEnvelope(airspeed_ratio * slowest, airspeed_ratio * fastest, wind_mps)
 
     def indicated_mps(self, true_mps: float, airspeed_ratio: float) -> float:
         """Return what the autopilot is to be told for a true airspeed: it refuses other values."""
-        slowest = self.values.get("AIRSPEED_MIN", 0.0)
-        fastest = self.values.get("AIRSPEED_MAX", math.inf)
+        slowest, fastest = self.airspeeds_mps
         return min(max(true_mps / airspeed_ratio, slowest), fastest)
 
     def refusal(

@@ -27,7 +27,7 @@ from sar_sim.missions import fly
 from sar_sim.options import find_scenario
 from sar_sim.pool import Workers
 from sar_sim.probe_node import bare_delays_s, flown_pace, graph_delays_s
-from sar_sim.processes import launch_command
+from sar_sim.processes import end_flight, start_flight
 from sar_sim.scenario import Pattern, Scenario, load_scenario, scenario_document
 from sar_sim.world import World
 
@@ -37,7 +37,6 @@ LEG_M = 1500.0
 POOL_MISSIONS = 4
 SETTLING_S, SAMPLED_S = 20.0, 60.0
 LONG_SPEED, GROWN_S, SAMPLE_S, SLOWEST = 10.0, 600.0, 10.0, 1.5
-PATIENCE_S = 600.0
 HELD = 0.98
 UNASKED = ("estimator", "replan", "campaign", "load", "speed", "chain")
 
@@ -115,23 +114,6 @@ def campaigns(corners: list[int]) -> Iterator[Figure]:
     yield Figure("campaign", "two workers over one", one / two, "", 1.8, at_least=True)
 
 
-def _launch(out: Path, *options: str) -> subprocess.Popen[str]:
-    return subprocess.Popen(  # noqa: S603
-        launch_command(out, *options), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
-    )
-
-
-def _end(flight: subprocess.Popen[str]) -> None:
-    flight.terminate()
-    _finish(flight)
-
-
-def _finish(flight: subprocess.Popen[str]) -> None:
-    _, errors = flight.communicate(timeout=PATIENCE_S)
-    if flight.returncode != 0:
-        raise OSError(f"the flight failed: {errors}")
-
-
 def _family(process: int) -> list[int]:
     """Return a process and all that come from it."""
     found = [process]
@@ -152,7 +134,7 @@ def _used(process: int) -> tuple[float, float]:
 
 def graph_load(scratch: Path) -> Iterator[Figure]:
     """Fly the whole graph at real time for a while: CPU and memory."""
-    flight = _launch(scratch / "load", "--scenario", "arduplane", "--speed", "1")
+    flight = start_flight(scratch / "load", "--scenario", "arduplane", "--speed", "1")
     try:
         time.sleep(SETTLING_S)
         before, begun = _used(flight.pid)[0], time.monotonic()
@@ -160,7 +142,7 @@ def graph_load(scratch: Path) -> Iterator[Figure]:
         after, memory = _used(flight.pid)
         share = (after - before) / (time.monotonic() - begun)
     finally:
-        _end(flight)
+        end_flight(flight)
     yield Figure("graph", "CPU at real time, of one core", 100.0 * share, "%", 30.0)
     yield Figure("graph", "memory, proportional set size of all processes", memory, "MB", 600.0)
 
@@ -182,7 +164,7 @@ def graph_memory(scratch: Path, hours: float) -> Iterator[Figure]:
     corners = math.ceil(seconds * _long(1).corner.speed_mps / LEG_M)
     file.write_text(yaml.safe_dump(scenario_document(_long(corners))), encoding="utf-8")
     out = scratch / "memory"
-    flight = _launch(out, "--scenario", str(file), "--speed", str(LONG_SPEED))
+    flight = start_flight(out, "--scenario", str(file), "--speed", str(LONG_SPEED))
     sizes: dict[str, list[float]] = {}
     try:
         time.sleep(SETTLING_S + GROWN_S / LONG_SPEED)
@@ -192,7 +174,7 @@ def graph_memory(scratch: Path, hours: float) -> Iterator[Figure]:
                 sizes.setdefault(name, []).append(size)
             time.sleep(SAMPLE_S)
     finally:
-        _end(flight)
+        end_flight(flight)
     flown_s = json.loads((out / "metrics.json").read_text("utf-8"))["duration_s"]
     yield Figure("memory", "flown", flown_s / 3600.0, "h", hours, at_least=True)
     for name, found in sizes.items():

@@ -21,7 +21,7 @@ from sar_estimator.messages import from_stamp, to_stamp
 from sar_estimator.node_support import LATCHED, RELIABLE, start_ros
 from sar_sim.bare_chain_node import ACCEPTED, FIX
 from sar_sim.bench import delays, pace
-from sar_sim.processes import launch_command
+from sar_sim.processes import end_flight, start_flight
 
 HOPS = ("estimator", "planner", "monitor", "bridge")
 BARE_FIXES = 40
@@ -84,20 +84,16 @@ def _spin(probe: Probe, seconds: float) -> None:
 
 def _flown(out: Path, *options: str) -> Probe:
     """Fly with ``launch``'s options, ``FLOWN_S`` at most; return what was seen."""
-    command = launch_command(out, *options)
     probe = _probe()
-    flight = subprocess.Popen(  # noqa: S603
-        command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    flight = start_flight(out, *options)
     try:
         until = time.monotonic() + FLOWN_S
         while flight.poll() is None and time.monotonic() < until:
             _spin(probe, 1.0)
     finally:
-        flight.terminate()
-        flight.wait()
         probe.destroy_node()
         rclpy.try_shutdown()
+        end_flight(flight)
     return probe
 
 

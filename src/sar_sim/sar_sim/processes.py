@@ -17,6 +17,7 @@ from typing import Any
 
 PR_SET_PDEATHSIG = 1
 LAST_LINES = 15
+PATIENCE_S = 600.0
 SELDOM_COMPUTES = ("bridge", "sim")
 
 
@@ -102,6 +103,21 @@ class NodeProcess:
 def launch_command(out: Path, *options: str) -> list[str]:
     """Return what flies the whole graph into a folder, as ``launch.sh`` does."""
     return [sys.executable, "-m", "sar_sim.launch_cli", "--out", str(out), *options]
+
+
+def start_flight(out: Path, *options: str) -> subprocess.Popen[str]:
+    """Start ``launch_command``; what goes wrong is told by ``end_flight``."""
+    return subprocess.Popen(  # noqa: S603
+        launch_command(out, *options), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    )
+
+
+def end_flight(flight: subprocess.Popen[str]) -> None:
+    """End a flight, where it has not ended by itself. Raises ``OSError`` where it failed."""
+    flight.terminate()
+    _, errors = flight.communicate(timeout=PATIENCE_S)
+    if flight.returncode != 0:
+        raise OSError(f"the flight failed: {errors}")
 
 
 def folder_bytes(folder: Path) -> int:

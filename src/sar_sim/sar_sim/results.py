@@ -176,9 +176,12 @@ def failure(found: Mapping[str, Sequence[Summary]]) -> str:
                 f"{values['escapes'].value:.0f}",
             ]
         )
-    head = ["error", "rules", "\\|L(k)\\|, 90 % of them [m]", "extra path a corner [m]"]
-    head.append("of curves (T2), 90 % of them [m]")
-    return table([*head, "closest approach, least [m]", "sent away by the monitor"], rows)
+    head = [
+        *("error", "rules", "\\|L(k)\\|, 90 % of them [m]", "extra path a corner [m]"),
+        *("of curves (T2), 90 % of them [m]", "closest approach, least [m]"),
+        "sent away by the monitor",
+    ]
+    return table(head, rows)
 
 
 PAGE = """# The paper's results, and what is flown here
