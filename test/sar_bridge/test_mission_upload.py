@@ -49,6 +49,14 @@ def test_no_response_is_repeated_eight_times_and_given_up():
     assert upload.failure == "no answer after 8 retries in state counting"
 
 
+def test_where_the_first_request_is_lost_the_count_is_repeated():
+    upload = MissionUpload(TARGET)
+    (count,) = upload.start(items(3), 1.0, 0.0)
+    assert upload.tick(1.6) == [count]
+    (item,) = upload.handle(request(0), 1.7)
+    assert item.seq == 0
+
+
 def test_item_is_repeated_after_a_quarter_of_a_second():
     upload = MissionUpload(TARGET)
     upload.start(items(3), None, 0.0)

@@ -9,6 +9,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from sar_bridge.autopilot_state import AutopilotState, BootClock
 from sar_bridge.commands import Command, CommandQueue
 from sar_bridge.mission_banks import BANK_ITEMS, BANKS, RUN_IN_ITEMS
+from sar_bridge.mission_items import waypoint_items
 from sar_bridge.mission_upload import Address
 from sar_bridge.session import AutopilotSession
 from sar_estimator.geodesy import Datum
@@ -40,9 +41,10 @@ class Bench:
         self.trip_s = 0.0  # flown while a message goes out and the answer comes back
         self.sent = []
 
-    def exchange(self, messages):
-        """Deliver messages to the vehicle and its answers back until nobody speaks."""
-        while messages:
+    def exchange(self, messages, rounds=-1):
+        """Deliver messages and the answers, until nobody speaks or so many times."""
+        while messages and rounds != 0:
+            rounds -= 1
             self.sent += messages
             answers = []
             for message in messages:
@@ -419,6 +421,28 @@ def test_nothing_is_counted_on_after_a_reboot():
     before = len(bench.sent)
     bench.exchange(bench.session.set_list(LINE + 1.0, 2.0, DATUM, bench.now))
     assert "MISSION_COUNT" in kinds(bench, before)
+
+
+def _place(item):
+    return item.latitude_e7, item.longitude_e7
+
+
+@pytest.mark.parametrize("partial", [False, True])
+def test_an_autopilot_that_restarts_half_way_has_the_whole_list_at_last(partial):
+    bench = Bench()
+    bench.run(1.5)
+    if partial:
+        bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
+        bench.run(1.2)
+    bench.exchange(bench.session.set_list(LINE + 1.0, 2.0, DATUM, bench.now), rounds=3)
+    assert bench.server.transferring(bench.now)
+    bench.server.restart(bench.now)
+    bench.run(12.0)
+    assert bench.session.uploaded.stamp_s == 2.0
+    assert bench.session.problem(bench.now) == ""
+    wanted = [_place(item) for item in waypoint_items(LINE + 1.0, DATUM, 150.0)[1:]]
+    held = [_place(item) for item in bench.autopilot.items]
+    assert any(held[at : at + len(wanted)] == wanted for at in range(len(held)))
 
 
 def test_parameters_and_wind_are_learnt():

@@ -25,6 +25,7 @@ ACCEL_STEPS = 13
 ACCEL_SIGMAS = 2.2
 FINE_STEPS = 17
 MIN_TIME_SIGMA_S = 0.05
+TIME, SIGMA, IS_SPEED, LEFT, Q0, Q1 = range(6)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,14 +42,6 @@ class TrackRows:
     is_speed: NDArray[np.bool_]
 
 
-@lru_cache(maxsize=1)
-def _normal_grid() -> tuple[FloatArray, FloatArray]:
-    """Return standard deviations from the mean and their log weights. Not to be changed."""
-    z = np.linspace(-ACCEL_SIGMAS, ACCEL_SIGMAS, ACCEL_STEPS)
-    weights = np.exp(-0.5 * z**2)
-    return z, np.log(weights / weights.sum())
-
-
 @dataclass(frozen=True, slots=True)
 class AccelPrior:
     """Log-normal prior of the deceleration: its harmonic mean [m/s^2] and relative spread.
@@ -61,8 +54,9 @@ class AccelPrior:
 
     def grid(self) -> tuple[FloatArray, FloatArray]:
         """Return accelerations [m/s^2] and log weights, both shape (ACCEL_STEPS,)."""
-        z, log_weights = _normal_grid()
-        return self._median * np.exp(self.spread * z), log_weights
+        z = np.linspace(-ACCEL_SIGMAS, ACCEL_SIGMAS, ACCEL_STEPS)
+        weights = np.exp(-0.5 * z**2)
+        return self._median * np.exp(self.spread * z), np.log(weights / weights.sum())
 
     @property
     def _median(self) -> float:
@@ -106,48 +100,81 @@ def deviation(
 
 
 @compiled(
-    "Tuple((float64[:, ::1], UniTuple(float64, 3), float64[::1], float64[::1]))"
+    "Tuple((float64[:, ::1], UniTuple(float64, 3), float64[::1]))"
     "(float64[::1], float64[::1], float64[::1], boolean[::1])"
 )
 def _no_slowing(
     times_s: FloatArray, values: FloatArray, sigmas: FloatArray, is_speed: NDArray[np.bool_]
-) -> tuple[FloatArray, tuple[float, float, float], FloatArray, FloatArray]:
-    """Return the design of constant speed (``constant_velocity``), its fit, and what is left."""
+) -> tuple[FloatArray, tuple[float, float, float], FloatArray]:
+    """Fit constant speed.
+
+    Returns the measurements, shape (n, 6): time, sigma, whether a speed, what the fit leaves of it
+    [sigmas], and its row of Q; the inverse of R (``constant_velocity``); the fit as Q has it.
+    """
     q, inverse = constant_velocity(times_s, is_speed, sigmas)
-    fit = np.zeros(2)
+    fit, seen = np.zeros(2), np.empty((times_s.size, 6))
     for i in range(times_s.size):
         fit += q[i] * (values[i] / sigmas[i])
-    return q, inverse, fit, values / sigmas - q[:, 0] * fit[0] - q[:, 1] * fit[1]
+    for i in range(times_s.size):
+        left = values[i] / sigmas[i] - q[i, 0] * fit[0] - q[i, 1] * fit[1]
+        seen[i, TIME], seen[i, SIGMA] = times_s[i], sigmas[i]
+        seen[i, IS_SPEED], seen[i, LEFT] = is_speed[i], left
+        seen[i, Q0], seen[i, Q1] = q[i]
+    return seen, inverse, fit
 
 
-@compiled(
-    "UniTuple(float64, 3)(float64[::1], float64[::1], boolean[::1], float64[:, ::1], float64[::1],"
-    " float64, float64, float64)"
-)
-def _weighed(
-    times_s: FloatArray,
-    sigmas: FloatArray,
-    is_speed: NDArray[np.bool_],
-    q: FloatArray,
-    free: FloatArray,
-    speed_mps: float,
+@compiled("UniTuple(float64, 4)(float64[:, ::1], int64, float64, float64, float64, float64)")
+def _projected(
+    seen: FloatArray,
+    first: int,
     onset_s: float,
     accel_mps2: float,
-) -> tuple[float, float, float]:
-    """Return a slow-down's log likelihood ratio, and what the design takes up of its shape."""
-    stopping = speed_mps / accel_mps2
-    on_free = square = taken0 = taken1 = 0.0
-    # Before the onset nothing deviates.
-    for i in range(np.searchsorted(times_s, onset_s), times_s.size):
-        shape = deviation(times_s[i] - onset_s, is_speed[i], accel_mps2, speed_mps, stopping)
-        shape /= sigmas[i]
-        on_free += shape * free[i]
+    speed_mps: float,
+    stopping_s: float,
+) -> tuple[float, float, float, float]:
+    """Return a slow-down's shape times what is left, times itself, and times the columns of Q.
+
+    ``first``: the first measurement after the onset; before it nothing deviates.
+    """
+    on_left = square = taken0 = taken1 = 0.0
+    for i in range(first, seen.shape[0]):
+        since, is_speed = seen[i, TIME] - onset_s, seen[i, IS_SPEED] > 0.0
+        shape = deviation(since, is_speed, accel_mps2, speed_mps, stopping_s) / seen[i, SIGMA]
+        on_left += shape * seen[i, LEFT]
         square += shape * shape
-        taken0 += shape * q[i, 0]
-        taken1 += shape * q[i, 1]
-    # What the regression takes up of the shape is off its residual.
-    left = square - taken0 * taken0 - taken1 * taken1
-    return on_free - 0.5 * left, taken0, taken1
+        taken0 += shape * seen[i, Q0]
+        taken1 += shape * seen[i, Q1]
+    return on_left, square, taken0, taken1
+
+
+@compiled("void(float64[:, ::1], float64, float64, float64[::1], float64[:, ::1])")
+def _weigh(
+    seen: FloatArray,
+    speed_mps: float,
+    onset_s: float,
+    accels_mps2: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Write the log likelihood ratio of each deceleration from an onset to ``out``, shape (n, 3).
+
+    The others of a row are what the columns of Q take up of its shape. While it has not stopped,
+    that is its deceleration times one shape that is common to all.
+    """
+    first = int(np.searchsorted(seen[:, TIME], onset_s))
+    since_s = seen[-1, TIME] - onset_s
+    common = _projected(seen, first, onset_s, 1.0, speed_mps, math.inf)
+    for j in range(accels_mps2.size):
+        accel = accels_mps2[j]
+        stopping = speed_mps / accel
+        on_left, square = accel * common[0], accel * accel * common[1]
+        taken0, taken1 = accel * common[2], accel * common[3]
+        if since_s > stopping:
+            on_left, square, taken0, taken1 = _projected(
+                seen, first, onset_s, accel, speed_mps, stopping
+            )
+        # What the regression takes up of the shape is off its residual.
+        rest = square - taken0 * taken0 - taken1 * taken1
+        out[j, 0], out[j, 1], out[j, 2] = on_left - 0.5 * rest, taken0, taken1
 
 
 @compiled(
@@ -165,16 +192,19 @@ def log_bayes_factor(
     log_prior: FloatArray,
 ) -> float:
     """Return that of "slowing" against "not", over the grid of ``hypotheses``."""
-    q, _, _, free = _no_slowing(times_s, values, sigmas, is_speed)
-    logs = np.empty((onsets_s.size, accels_mps2.size))
-    for i in range(onsets_s.size):
+    seen, _, _ = _no_slowing(times_s, values, sigmas, is_speed)
+    logs, weighed = np.empty(onsets_s.size * accels_mps2.size), np.empty((accels_mps2.size, 3))
+    most, h = -math.inf, 0
+    for onset in onsets_s:
+        _weigh(seen, speed_mps, onset, accels_mps2, weighed)
         for j in range(accels_mps2.size):
-            weight, _, _ = _weighed(
-                times_s, sigmas, is_speed, q, free, speed_mps, onsets_s[i], accels_mps2[j]
-            )
-            logs[i, j] = weight + log_prior[j]
-    most = float(logs.max())
-    return most + math.log(np.exp(logs - most).sum())
+            logs[h] = weighed[j, 0] + log_prior[j]
+            most = max(most, logs[h])
+            h += 1
+    total = 0.0
+    for one in logs:
+        total += math.exp(one - most)
+    return most + math.log(total)
 
 
 @compiled(
@@ -196,19 +226,19 @@ def hypotheses(
     Returns a table, shape (8, m n): log weight, onset, log deceleration, deceleration, stop along
     the leg, stop time, speed, variance of the stop.
     """
-    q, inverse, fit, free = _no_slowing(times_s, values, sigmas, is_speed)
+    seen, inverse, fit = _no_slowing(times_s, values, sigmas, is_speed)
     inverse11, inverse12, inverse22 = inverse
     c00 = inverse11 * inverse11 + inverse12 * inverse12
     c01, c11 = inverse12 * inverse22, inverse22 * inverse22
     table = np.empty((8, onsets_s.size * accels_mps2.size))
+    weighed = np.empty((accels_mps2.size, 3))
     h = 0
     for onset in onsets_s:
         begun = onset - times_s[-1]
+        _weigh(seen, speed_mps, onset, accels_mps2, weighed)
         for j in range(accels_mps2.size):
             accel = accels_mps2[j]
-            weight, taken0, taken1 = _weighed(
-                times_s, sigmas, is_speed, q, free, speed_mps, onset, accel
-            )
+            weight, taken0, taken1 = weighed[j]
             speed = max(inverse22 * (fit[1] - taken1), 0.5)
             place = inverse11 * (fit[0] - taken0) + inverse12 * (fit[1] - taken1)
             slowing = speed / accel
@@ -249,8 +279,17 @@ def _grid(
     """Return onsets, decelerations, and the log prior of each pair by deceleration."""
     first, last = onset_range_s
     onsets = np.arange(first, last + 1e-9, ONSET_STEP_S)
+    return onsets, *_decelerations(accel_prior, onsets.size)
+
+
+@lru_cache(maxsize=64)
+def _decelerations(accel_prior: AccelPrior, onsets: int) -> tuple[FloatArray, FloatArray]:
+    """Return decelerations, and the log prior of each with any of so many onsets.
+
+    A cruise asks for the same again and again. Not to be changed.
+    """
     accels, log_prior = accel_prior.grid()
-    return onsets, accels, log_prior - math.log(onsets.size)
+    return accels, log_prior - math.log(onsets)
 
 
 def slowing_log_bayes(

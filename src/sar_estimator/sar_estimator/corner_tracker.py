@@ -51,6 +51,12 @@ class CornerTracker:
         self._still_since_s: float | None = None
         self._cruise_after_s = -math.inf
         self._cruise_speed_mps: float | None = None
+        self._handlers = {
+            Phase.CRUISE: self._cruise,
+            Phase.DECELERATING: self._decelerating,
+            Phase.STOPPED: self._stopped,
+            Phase.ACCELERATING: self._accelerating,
+        }
         self.phase = Phase.ACCELERATING
         self.corner: CornerEstimate | None = None
         self.leg: LegEstimate | None = None
@@ -75,13 +81,7 @@ class CornerTracker:
         if collects or motion.time_s >= self._cruise_after_s:
             for row in rows:
                 self._tracker.add(row)
-        handler = {
-            Phase.CRUISE: self._cruise,
-            Phase.DECELERATING: self._decelerating,
-            Phase.STOPPED: self._stopped,
-            Phase.ACCELERATING: self._accelerating,
-        }[self.phase]
-        handler(motion)
+        self._handlers[self.phase](motion)
 
     def _fit(self) -> LegFit | None:
         """Refresh the leg being flown."""

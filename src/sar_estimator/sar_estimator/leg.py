@@ -22,10 +22,11 @@ TIME, X, Y, SIGMA, IS_VELOCITY = range(5)
 ROOM = 256
 
 
+@compiled("float64(float64, int64)")
 def chi_square_z(chi_square: float, dof: int) -> float:
     """Return a chi-square value as standard deviations of a normal (Wilson & Hilferty 1931)."""
     variance = 2.0 / (9.0 * dof)
-    return (math.cbrt(chi_square / dof) - 1.0 + variance) / math.sqrt(variance)
+    return (float(np.cbrt(chi_square / dof)) - 1.0 + variance) / math.sqrt(variance)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +45,8 @@ def fit_line(rows: FloatArray) -> FloatArray:
     """Fit a constant velocity to rows, shape (n, 5), of which two at least tell of the velocity.
 
     Returns x, y at the last row's time, vx, vy, the covariance of one axis' position and velocity
-    (11, 12, 22), and the chi-square of the worse axis, along or across the fitted direction. Both
-    axes share one weighted least-squares design.
+    (11, 12, 22), and the misfit: the chi-square of the worse axis, along or across the fitted
+    direction, in standard deviations. Both axes share one weighted least-squares design.
     """
     times, sigmas = rows[:, TIME].copy(), rows[:, SIGMA].copy()
     q, (inverse11, inverse12, inverse22) = constant_velocity(
@@ -73,8 +74,70 @@ def fit_line(rows: FloatArray) -> FloatArray:
     heading = math.atan2(out[3], out[2])
     c, s = math.cos(heading), math.sin(heading)
     along = c * c * spread[0] + 2.0 * c * s * spread[1] + s * s * spread[2]
-    out[7] = max(along, spread[0] + spread[2] - along)
+    out[7] = chi_square_z(max(along, spread[0] + spread[2] - along), max(1, times.size - 2))
     return out
+
+
+@compiled("int64(float64[:, ::1])")
+def _positions(rows: FloatArray) -> int:
+    """Return how many rows are positions."""
+    count = 0
+    for i in range(rows.shape[0]):
+        if rows[i, IS_VELOCITY] == 0.0:
+            count += 1
+    return count
+
+
+@compiled("int64(float64[:, ::1], float64)")
+def _first_since(rows: FloatArray, time_s: float) -> int:
+    """Return the number of the first row not older than a time [s]."""
+    first = len(rows)
+    while first > 0 and rows[first - 1, TIME] >= time_s:
+        first -= 1
+    return first
+
+
+@compiled("Tuple((int64, int64, float64[::1]))(float64[:, ::1])")
+def _longest_fit(rows: FloatArray) -> tuple[int, int, FloatArray]:
+    """Return the longest stretch that is straight and steady, its first row and end, and its fit.
+
+    An empty stretch where too few rows agree.
+    """
+    end = int(np.searchsorted(rows[:, TIME], rows[-1, TIME] - SETTLE_S, side="right"))
+    if _positions(rows[:end]) < MIN_ROWS:
+        end = rows.shape[0]
+    first = 0
+    while _positions(rows[first:end]) >= MIN_ROWS:
+        found = fit_line(rows[first:end])
+        if found[7] < MISFIT_LIMIT:
+            return first, end, found
+        first += max(1, (end - first) // 4)
+    return end, end, np.empty(0)
+
+
+@compiled(
+    "float64(float64[:, ::1], float64, UniTuple(float64, 2), UniTuple(float64, 2),"
+    " UniTuple(float64, 3))"
+)
+def _sideways(
+    rows: FloatArray,
+    time_s: float,
+    position_m: tuple[float, float],
+    velocity_mps: tuple[float, float],
+    spread: tuple[float, float, float],
+) -> float:
+    """Return the misfit of rows across a fit's line, in standard deviations."""
+    speed = math.hypot(velocity_mps[0], velocity_mps[1])
+    c, s = velocity_mps[0] / speed, velocity_mps[1] / speed
+    chi_square = 0.0
+    for i in range(rows.shape[0]):
+        x, y, known = rows[i, X], rows[i, Y], spread[2]
+        if rows[i, IS_VELOCITY] == 0.0:
+            x, y, age = x - position_m[0], y - position_m[1], rows[i, TIME] - time_s
+            known = spread[0] + 2.0 * age * spread[1] + age * age * spread[2]
+        across = y * c - x * s
+        chi_square += across * across / (rows[i, SIGMA] * rows[i, SIGMA] + known)
+    return chi_square_z(chi_square, max(1, rows.shape[0]))
 
 
 @compiled(
@@ -140,16 +203,8 @@ class LegFit:
 
     def strays(self, rows: FloatArray) -> bool:
         """Whether rows, shape (n, 5), depart sideways: the helicopter is changing course."""
-        line = self.line
-        c, s = math.cos(line.heading_rad), math.sin(line.heading_rad)
-        chi_square = 0.0
-        for time, x, y, sigma, is_velocity in rows.tolist():
-            if is_velocity:
-                across, known = y * c - x * s, self.spread[2]
-            else:
-                across, known = line.across(x, y), self.variance_m2(time - self.time_s)
-            chi_square += across**2 / (sigma**2 + known)
-        return chi_square_z(chi_square, max(1, len(rows))) > MISFIT_LIMIT
+        misfit = _sideways(rows, self.time_s, self.position_m, self.velocity_mps, self.spread)
+        return misfit > MISFIT_LIMIT
 
     def project(self, rows: FloatArray) -> TrackRows:
         """Return rows, shape (n, 5), measured along the fitted line, from ``position_m``."""
@@ -163,10 +218,13 @@ def fit_rows(rows: FloatArray) -> tuple[LegFit, float]:
 
     Returns it with its misfit in standard deviations of chi-square.
     """
-    x, y, vx, vy, c11, c12, c22, chi_square = fit_line(rows).tolist()
+    return _leg_fit(rows, fit_line(rows))
+
+
+def _leg_fit(rows: FloatArray, found: FloatArray) -> tuple[LegFit, float]:
+    x, y, vx, vy, c11, c12, c22, misfit = found.tolist()
     first, last = float(rows[0, TIME]), float(rows[-1, TIME])
-    fit = LegFit(last, first, (x, y), (vx, vy), (c11, c12, c22))
-    return fit, chi_square_z(chi_square, max(1, len(rows) - 2))
+    return LegFit(last, first, (x, y), (vx, vy), (c11, c12, c22)), misfit
 
 
 class LegTracker:
@@ -177,6 +235,7 @@ class LegTracker:
         self._window_s = window_s
         self._table = np.empty((ROOM, 5))
         self._begin = self._end = 0
+        self._newest_s = [-math.inf, -math.inf]
 
     @property
     def _rows(self) -> FloatArray:
@@ -189,12 +248,11 @@ class LegTracker:
         Rows of a kind closer than ``MIN_SPACING_S`` are left out: a receiver's errors over such
         times are alike, and more of them tell no more.
         """
-        rows = self._rows
-        alike = rows[rows[:, IS_VELOCITY] == row.is_velocity, TIME]
-        if alike.size and row.time_s - alike[-1] < MIN_SPACING_S:
+        if row.time_s - self._newest_s[row.is_velocity] < MIN_SPACING_S:
             return
+        self._newest_s[row.is_velocity] = row.time_s
         if self._end == len(self._table):
-            kept = rows.copy()
+            kept = self._rows.copy()
             if len(kept) > len(self._table) // 2:
                 self._table = np.empty((2 * len(self._table), 5))
             self._table[: len(kept)] = kept
@@ -207,11 +265,12 @@ class LegTracker:
     def rows_since(self, time_s: float) -> FloatArray:
         """Return the rows not older than ``time_s`` [s], shape (n, 5)."""
         rows = self._rows
-        return rows[int(np.searchsorted(rows[:, TIME], time_s)) :]
+        return rows[_first_since(rows, time_s) :]
 
     def clear(self) -> None:
         """Forget the leg."""
         self._begin = self._end = 0
+        self._newest_s = [-math.inf, -math.inf]
 
     def fit(self) -> LegFit | None:
         """Fit the settled rows; None while too few of them agree.
@@ -223,20 +282,8 @@ class LegTracker:
         rows = self._rows
         if len(rows) == 0:
             return None
-        settled_s = rows[-1, TIME] - SETTLE_S
-        rows = rows[: int(np.searchsorted(rows[:, TIME], settled_s, side="right"))]
-        if _positions(rows) < MIN_ROWS:
-            rows = self._rows
-        dropped = 0
-        while _positions(rows) >= MIN_ROWS:
-            fit, misfit = fit_rows(rows)
-            if misfit < MISFIT_LIMIT:
-                self._begin += dropped
-                return fit
-            drop = max(1, len(rows) // 4)
-            rows, dropped = rows[drop:], dropped + drop
-        return None
-
-
-def _positions(rows: FloatArray) -> int:
-    return len(rows) - int(np.count_nonzero(rows[:, IS_VELOCITY]))
+        first, end, found = _longest_fit(rows)
+        if first == end:
+            return None
+        self._begin += first
+        return _leg_fit(rows[first:end], found)[0]

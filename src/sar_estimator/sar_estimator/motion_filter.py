@@ -33,6 +33,17 @@ def _in_both(block: FloatArray, other: FloatArray | None = None) -> FloatArray:
     return both
 
 
+@compiled("float64[:, ::1](float64[:, ::1])")
+def _inverse(both: FloatArray) -> FloatArray:
+    """Return the inverse of two blocks of (2, 2)."""
+    out = np.zeros((4, 4))
+    for i in range(0, 4, 2):
+        determinant = both[i, i] * both[i + 1, i + 1] - both[i, i + 1] * both[i + 1, i]
+        out[i, i], out[i + 1, i + 1] = both[i + 1, i + 1] / determinant, both[i, i] / determinant
+        out[i, i + 1], out[i + 1, i] = -both[i, i + 1] / determinant, -both[i + 1, i] / determinant
+    return out
+
+
 POSITION = _in_both(np.eye(STATES)[[0, 3]])
 VELOCITY = _in_both(np.eye(STATES)[[1, 4]])
 
@@ -137,10 +148,12 @@ class MotionFilters:
         # What each was last carried to: a fix's time is asked for again and again.
         self._foretold: dict[int, MotionEstimate] = {}
         self._kf = KalmanFilter(dim_x=2 * STATES, dim_z=4)
+        self._kf.inv = _inverse
         self._kf.x = np.array([position_m[0], 0.0, 0.0, position_m[1], 0.0, 0.0] * 2)
         one = np.diag([0.0, speed_sigma_mps**2, 1.0] * 2)
         one[np.ix_([0, 3], [0, 3])] = covariance_m2
         self._kf.P = _in_both(one)
+        self._fix_noise = np.zeros((4, 4))
 
     @property
     def position(self) -> tuple[float, float]:
@@ -189,14 +202,13 @@ class MotionFilters:
     def update_position(self, position_m: tuple[float, float], covariance_m2: FloatArray) -> None:
         """Update with a position [m] and its covariance, shape (2, 2) [m^2]."""
         self._foretold.clear()
-        self._kf.update(np.array((*position_m, *position_m)), R=_in_both(covariance_m2), H=POSITION)
+        self._fix_noise[:2, :2] = self._fix_noise[2:, 2:] = covariance_m2
+        self._kf.update(np.array(position_m * 2), R=self._fix_noise, H=POSITION)
 
     def update_velocity(self, velocity_mps: tuple[float, float], sigma_mps: float) -> None:
         """Update with a velocity [m/s] of standard deviation ``sigma_mps`` on each axis."""
         self._foretold.clear()
-        self._kf.update(
-            np.array((*velocity_mps, *velocity_mps)), R=np.eye(4) * sigma_mps**2, H=VELOCITY
-        )
+        self._kf.update(np.array(velocity_mps * 2), R=np.eye(4) * sigma_mps**2, H=VELOCITY)
 
 
 def normalised_innovation(

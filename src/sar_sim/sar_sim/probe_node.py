@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import rclpy
 from nav_msgs.msg import Path as PathMessage
 from rclpy.node import Node
@@ -43,6 +44,7 @@ class Probe(Node):
         self.fixes: list[tuple[float, float]] = []
         self.lists_s: dict[float, float] = {}
         self.accepted_s: dict[float, float] = {}
+        self.waypoints: dict[float, int] = {}
         self.bare_s: list[float] = []
         self._sent_s = 0.0
         self.bare = self.create_publisher(NavSatFix, FIX, RELIABLE)
@@ -58,7 +60,9 @@ class Probe(Node):
         self.lists_s[from_stamp(message.header.stamp)] = time.perf_counter()
 
     def _on_accepted(self, message: Any) -> None:
-        self.accepted_s[float(json.loads(message.data)["stamp_s"])] = time.perf_counter()
+        told = json.loads(message.data)
+        self.accepted_s[float(told["stamp_s"])] = time.perf_counter()
+        self.waypoints[float(told["stamp_s"])] = int(told["waypoints"])
 
     def _on_bare(self, _message: Any) -> None:
         self.bare_s.append(time.perf_counter() - self._sent_s)
@@ -102,17 +106,20 @@ def flown_pace(out: Path, scenario: str, speed: int) -> float:
     return pace(_flown(out, "--scenario", scenario, "--speed", str(speed)).fixes)
 
 
-def graph_delays_s(out: Path) -> list[tuple[float, float]]:
-    """Fly at real time; return fix to list and list to acceptance [s] of every list for a fix."""
+def graph_delays_s(out: Path) -> tuple[list[tuple[float, float]], int]:
+    """Fly at real time; return fix to list and list to acceptance [s] of every list for a fix.
+
+    And how many waypoints a list had, the median.
+    """
     probe = _flown(out, "--scenario", "short", "--speed", "1")
     walls = [wall_s for wall_s, _ in probe.fixes]
     found = delays(walls, probe.lists_s, probe.accepted_s, FOR_THE_FIX_S)
     if not found:
         raise OSError("no list was made for a fix and accepted: expected some at every corner")
-    return found
+    return found, int(np.median(list(probe.waypoints.values())))
 
 
-def bare_delays_s(items: int = 40) -> list[float]:
+def bare_delays_s(items: int) -> list[float]:
     """Return how long a fix takes through as many processes that compute nothing [s].
 
     ``items``: waypoints of the list, and datagrams there and back of its upload.
