@@ -1,13 +1,24 @@
 """Injected faults: what they do, and that the UAV stays away whatever the receiver says."""
 
 import math
+from operator import itemgetter
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from sar_estimator.fixes import Fix
+from sar_sim import fault_runs, faults_cli
 from sar_sim.bag import BagWriter
-from sar_sim.fault_runs import CASES, HEADER, NODES, fault_scenario, fault_speed, read_run
+from sar_sim.fault_runs import (
+    CASES,
+    HEADER,
+    NODES,
+    fault_scenario,
+    fault_speed,
+    read_run,
+    silent_s,
+)
 from sar_sim.faults import AutopilotFaults, FaultyRadio, FaultyReceiver, NodeFaults
 from sar_sim.gps import Reception
 from sar_sim.missions import Observer
@@ -138,6 +149,37 @@ def test_whatever_the_receiver_says_the_aircraft_stay_apart(fault):
     assert seen.separation_m > 100.0
     if fault.for_s <= 60.0:  # blind for longer, it is left behind further than it makes up for
         assert abs(seen.lags_m[-1]) < 300.0
+
+
+def test_how_long_a_node_did_no_work_is_read_of_its_own_messages(tmp_path, monkeypatch):
+    """Killed at 60 s, heard of again at 66.5 s."""
+    mine = SimpleNamespace(status=[SimpleNamespace(name="monitor")])
+    other = SimpleNamespace(status=[SimpleNamespace(name="planner")])
+    said = [(time_s, mine) for time_s in (58.0, 59.0, 66.5, 67.5)]
+    said += [(time_s, other) for time_s in (60.5, 61.5)]
+    messages = [
+        ("/diagnostics", time_s, message) for time_s, message in sorted(said, key=itemgetter(0))
+    ]
+    monkeypatch.setattr(fault_runs, "read_messages", lambda _bag, _topics: messages)
+    assert silent_s(Fault("monitor", "off", 60.0), tmp_path) == 6.5
+    assert silent_s(Fault("gps", "off", 60.0), tmp_path) is None
+
+
+def test_a_flight_that_is_kept_is_not_flown_again(tmp_path, monkeypatch):
+    flown = []
+
+    def launch(command, **_options):
+        flown.append(command)
+        out = tmp_path / "00" / "run" / "bag"
+        out.mkdir(parents=True)
+        (out / "metadata.yaml").write_text("", encoding="utf-8")
+        return SimpleNamespace(returncode=0)
+
+    monkeypatch.setattr(faults_cli.subprocess, "run", launch)
+    base = load_scenario(find_scenario("arduplane"))
+    for fault in (CASES[0], CASES[0], CASES[1]):
+        assert faults_cli.fly(fault, base, tmp_path / "00") == tmp_path / "00" / "run" / "bag"
+    assert len(flown) == 2
 
 
 def test_a_run_is_read_from_its_bag(tmp_path):

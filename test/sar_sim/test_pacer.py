@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from sar_sim.pacer import COAST_S, MAX_SLIP_S, AutopilotPacer, RealTimePacer
+from sar_sim.pacer import CATCH_UP, COAST_S, MAX_SLIP_S, AutopilotPacer, RealTimePacer
 
 
 def test_real_time_waits_for_its_multiple():
@@ -19,10 +19,14 @@ def test_what_cannot_be_kept_up_with_is_let_go():
     assert pacer.wait_s(2.0, 1.0 + 10.0 * MAX_SLIP_S) == pytest.approx(1.0)
 
 
-def test_a_hold_is_not_made_up_for():
+def test_a_hold_is_made_up_for_little_by_little():
     pacer = RealTimePacer(10.0, 0.0)
+    assert pacer.wait_s(10.0, 1.0) == 0.0
     pacer.stood(1.0)
-    assert pacer.wait_s(10.0, 1.0) == pytest.approx(0.9)
+    # A hold of 1 s, of which 0.1 s pass in real time anyway.
+    waits = [pacer.wait_s(time, 1.9) for time in (15.0, 20.0, 110.0)]
+    sooner = 1.0 - CATCH_UP
+    assert waits == pytest.approx([0.5 * sooner, 1.0 * sooner, 11.0 - 1.9])
 
 
 def follow(pacer, speed, *, seconds, rate_hz=10.0, step_s=0.05, boot_s=50.0, late_s=0.0):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -37,19 +38,31 @@ CASES: tuple[Fault, ...] = (
     *(Fault(name, "off", AT_S) for name in NODES),
     *(Fault(name, "stuck", AT_S, 30.0) for name in NODES),
 )
+# What shows that a node does its work.
+WORK = {
+    "estimator": topics.HELICOPTER_ODOMETRY,
+    "planner": topics.LAG,
+    "monitor": topics.DIAGNOSTICS,
+    "bridge": topics.UAV_ODOMETRY,
+}
 HEADER = (
-    "| fault | said first | after, s | what the UAV did | closest approach, m | L(k), m |\n"
-    "|---|---|---|---|---|---|"
+    "| fault | said first | after, s | node at work after, s | what the UAV did "
+    "| closest approach, m | L(k), m |\n"
+    "|---|---|---|---|---|---|---|"
 )
 
 
 @dataclass(frozen=True)
 class FaultRun:
-    """One flight: the fault, the first word about it, the UAV's modes, distances [m]."""
+    """One flight: the fault, the first word about it, the UAV's modes, distances [m].
+
+    ``after_s``: of the first word; ``silent_s``: for how long the node that failed did no work.
+    """
 
     fault: Fault
     said: str
     after_s: float | None
+    silent_s: float | None
     modes: tuple[str, ...]
     separation_m: float
     lags_m: tuple[float, ...]
@@ -65,11 +78,14 @@ class FaultRun:
         length = "" if at_once else f" {fault.for_s:g} s"
         # A node is killed, missed and started in real time, at any speed of the simulation.
         real = fault_speed(fault) if fault.component in NODES else 1.0
-        after = "–" if self.after_s is None else f"{self.after_s / real:.1f}"
+        after, back = (
+            "–" if time_s is None else f"{time_s / real:.1f}"
+            for time_s in (self.after_s, self.silent_s)
+        )
         lags = ", ".join(f"{lag:.0f}" for lag in self.lags_m)
         return (
             f"| {fault.component} {fault.kind}{size}{length} | {self.said or '–'} | {after} | "
-            f"{' → '.join(self.modes)} | {self.separation_m:.0f} | {lags} |"
+            f"{back} | {' → '.join(self.modes)} | {self.separation_m:.0f} | {lags} |"
         )
 
 
@@ -95,6 +111,19 @@ def _problems(message: Any) -> list[str]:
         for status in message.status
         if status.level > 0  # rosbags reads an octet as a number
     ]
+
+
+def silent_s(fault: Fault, bag: Path) -> float | None:
+    """Return the longest time [s] for which a node did no work since it failed; None of others."""
+    if fault.component not in WORK:
+        return None
+    topic, seen = WORK[fault.component], [fault.at_s]
+    for _, time_s, message in read_messages(bag, {topic}):
+        told = getattr(message, "status", None)
+        mine = told is None or any(status.name == fault.component for status in told)
+        if mine and time_s > fault.at_s:
+            seen.append(time_s)
+    return max((later - time_s for time_s, later in pairwise(seen)), default=None)
 
 
 def read_run(fault: Fault, bag: Path) -> FaultRun:
@@ -125,4 +154,5 @@ def read_run(fault: Fault, bag: Path) -> FaultRun:
                 elif not said and kind not in known:
                     said, after = problem, time_s - fault.at_s - stepped_s
     lags = tuple(true_lag_m(data, corner) for corner in data.corners)
-    return FaultRun(fault, said, after, tuple(modes), float(distances.min()), lags)
+    silent, closest = silent_s(fault, bag), float(distances.min())
+    return FaultRun(fault, said, after, silent, tuple(modes), closest, lags)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -20,10 +21,18 @@ PATIENCE_S = 400.0
 
 
 def fly(fault: Fault, base: Scenario, out: Path) -> Path:
-    """Fly the graph with a fault into ``out``; return the bag. Raises ``OSError`` if it failed."""
+    """Fly the graph with a fault into ``out``, unless that was done; return the bag.
+
+    Raises ``OSError`` if it failed.
+    """
+    bag, file = out / "run" / "bag", out / "fault.yaml"
+    flown = yaml.safe_dump(scenario_document(fault_scenario(base, fault)))
+    whole = (bag / "metadata.yaml").exists()
+    if whole and file.exists() and file.read_text("utf-8") == flown:
+        return bag
+    shutil.rmtree(out, ignore_errors=True)
     out.mkdir(parents=True)
-    file = out / "fault.yaml"
-    file.write_text(yaml.safe_dump(scenario_document(fault_scenario(base, fault))), "utf-8")
+    file.write_text(flown, "utf-8")
     speed = f"{fault_speed(fault):g}"
     command = launch_command(out / "run", "--scenario", str(file), "--speed", speed)
     if fault.component == "dds":
@@ -33,7 +42,7 @@ def fly(fault: Fault, base: Scenario, out: Path) -> Path:
     )
     if done.returncode != 0:
         raise OSError(f"{fault.component} {fault.kind}: the flight failed:\n{done.stderr}")
-    return out / "run" / "bag"
+    return bag
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -41,7 +50,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="faults", description=__doc__)
     parser.add_argument("--scenario", default="arduplane", help="a scenario's name or YAML file")
     parser.add_argument("--only", default="", help="components that begin with this")
-    parser.add_argument("--keep", type=Path, help="keep the flights in this folder")
+    parser.add_argument("--keep", type=Path, help="keep the flights here, and go on")
     args = parser.parse_args(argv)
     chosen = [fault for fault in CASES if fault.component.startswith(args.only)]
     if any(fault.component == "dds" for fault in chosen) and not own_network_possible():

@@ -10,6 +10,7 @@ from collections import deque
 from typing import Protocol
 
 MAX_SLIP_S = 0.5
+CATCH_UP = 0.2
 COAST_S = 0.25
 WINDOW_S = 5.0
 LASTS_S = 6.0
@@ -29,14 +30,22 @@ class Pacer(Protocol):
 
 
 class RealTimePacer:
-    """A multiple of real time; what cannot be kept up with is let go."""
+    """A multiple of real time; what cannot be kept up with is let go.
+
+    A hold is made up for little by little, the steps coming by ``CATCH_UP`` sooner until it is.
+    """
 
     def __init__(self, speed: float, real_s: float) -> None:
         """Begin at time 0 now."""
         self._speed, self._begun_s = speed, real_s
+        self._owed_s = self._time_s = 0.0
 
     def wait_s(self, time_s: float, real_s: float) -> float:
         """Return how long to wait [s]."""
+        made_up = min(self._owed_s, CATCH_UP * (time_s - self._time_s) / self._speed)
+        self._owed_s -= made_up
+        self._begun_s -= made_up
+        self._time_s = time_s
         due = self._begun_s + time_s / self._speed
         if real_s - due > MAX_SLIP_S:
             self._begun_s += real_s - due
@@ -44,7 +53,9 @@ class RealTimePacer:
 
     def stood(self, held_s: float) -> None:
         """Shift what is due later by a hold; not by the part that passes in real time anyway."""
-        self._begun_s += held_s * max(0.0, 1.0 - 1.0 / self._speed)
+        later = held_s * max(0.0, 1.0 - 1.0 / self._speed)
+        self._begun_s += later
+        self._owed_s += later
 
 
 class AutopilotPacer:
