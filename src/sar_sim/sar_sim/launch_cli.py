@@ -297,7 +297,7 @@ def main(argv: list[str] | None = None) -> int:
     try:
         sys.stdout.write(run_apart("sar_sim.report_cli:reported", flight.bag, flight.out))
     except Exception as error:  # noqa: BLE001 - a cut bag may hold anything
-        sys.stderr.write(f"launch: no report: {error}\n")
+        sys.stderr.write(f"launch: {flight.bag}: no report: {error}\n")
         return 1
     return 0 if failed is None else 1
 
