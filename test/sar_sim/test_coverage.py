@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from sar_sim.coverage import ideal_tracks, measure, swath
+from sar_sim.coverage import PIECE_POINTS, ideal_tracks, measure, swath
 
 STRAIGHT = np.array([[0.0, 0.0], [1000.0, 0.0]])
 
@@ -39,6 +39,16 @@ def test_a_missing_uav_halves_the_coverage():
     assert found.percent == pytest.approx(50.0, abs=0.1)
     assert found.overlap_percent == pytest.approx(50.0, abs=0.1)
     assert found.gaps.area == pytest.approx(found.claimed_m2 / 2, rel=1e-3)
+
+
+def test_a_long_track_is_swept_as_in_one_piece():
+    turns = np.linspace(0.0, 40.0 * math.pi, 20 * PIECE_POINTS + 1)
+    track = 500.0 * np.column_stack((np.cos(turns), np.sin(turns)))
+    ring = math.pi * (600.0**2 - 400.0**2)
+    assert swath(track, 100.0).area == pytest.approx(ring, rel=1e-3)
+    assert swath(track[: PIECE_POINTS + 2], 100.0).area == pytest.approx(
+        swath(track[: PIECE_POINTS + 1], 100.0).area, rel=0.01
+    )
 
 
 def test_no_track_no_swath():

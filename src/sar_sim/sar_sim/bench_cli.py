@@ -219,7 +219,7 @@ def main(argv: list[str] | None = None) -> int:
         "--hours", type=float, default=8.0, help="of flight that memory, only on demand, looks at"
     )
     parser.add_argument(
-        "--corners", type=int, nargs="+", default=[10, 100], help="missions' lengths; up to 1000"
+        "--corners", type=int, nargs="+", default=[10, 1000], help="missions' lengths"
     )
     args = parser.parse_args(argv)
     with tempfile.TemporaryDirectory() as folder:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import shapely
@@ -15,6 +16,7 @@ from shapely.geometry.base import BaseGeometry
 FloatArray = NDArray[np.float64]
 
 ARC_SEGMENTS = 32
+PIECE_POINTS = 500
 SQUARE_STEP_M = 10.0
 LEAST_MITRE = 0.2
 LEAST_LEG_M = 1e-3
@@ -49,8 +51,18 @@ def swath(xy_m: FloatArray, radius_m: float, *, footprint: str = "disc") -> Base
     if len(xy_m) < 2:
         raise ValueError(f"track of {len(xy_m)} points: expected two or more")
     if footprint == "disc":
-        return LineString(xy_m).simplify(0.05).buffer(radius_m, quad_segs=ARC_SEGMENTS)
+        return shapely.union_all(_discs(xy_m, radius_m))
     return shapely.union_all(_squares(xy_m, radius_m))
+
+
+def _discs(xy_m: FloatArray, radius_m: float) -> Any:
+    """Return what a disc sweeps along every piece of a track.
+
+    In pieces, as the time for one that crosses itself again and again grows with its square.
+    """
+    begins = range(0, len(xy_m) - 1, PIECE_POINTS)
+    lines = [LineString(xy_m[begin : begin + PIECE_POINTS + 1]) for begin in begins]
+    return shapely.buffer(shapely.simplify(lines, 0.05), radius_m, quad_segs=ARC_SEGMENTS)
 
 
 def _squares(xy_m: FloatArray, half_m: float) -> list[Polygon]:
