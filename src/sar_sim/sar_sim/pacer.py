@@ -10,7 +10,7 @@ from collections import deque
 from typing import Protocol
 
 MAX_SLIP_S = 0.5
-CATCH_UP = 0.2
+CATCH_UP = 0.12
 COAST_S = 0.25
 WINDOW_S = 5.0
 LASTS_S = 6.0
