@@ -115,6 +115,12 @@ def _longest_fit(rows: FloatArray) -> tuple[int, int, FloatArray]:
     return end, end, np.empty(0)
 
 
+@compiled("float64(UniTuple(float64, 3), float64)")
+def _variance_m2(spread: tuple[float, float, float], age_s: float) -> float:
+    """Return the variance of one axis' position ``age_s`` after a fit's time [m^2]."""
+    return spread[0] + 2.0 * age_s * spread[1] + age_s**2 * spread[2]
+
+
 @compiled(
     "float64(float64[:, ::1], float64, UniTuple(float64, 2), UniTuple(float64, 2),"
     " UniTuple(float64, 3))"
@@ -133,8 +139,8 @@ def _sideways(
     for i in range(rows.shape[0]):
         x, y, known = rows[i, X], rows[i, Y], spread[2]
         if rows[i, IS_VELOCITY] == 0.0:
-            x, y, age = x - position_m[0], y - position_m[1], rows[i, TIME] - time_s
-            known = spread[0] + 2.0 * age * spread[1] + age * age * spread[2]
+            x, y = x - position_m[0], y - position_m[1]
+            known = _variance_m2(spread, rows[i, TIME] - time_s)
         across = y * c - x * s
         chi_square += across * across / (rows[i, SIGMA] * rows[i, SIGMA] + known)
     return chi_square_z(chi_square, max(1, rows.shape[0]))
@@ -199,7 +205,7 @@ class LegFit:
 
     def variance_m2(self, age_s: float) -> float:
         """Return the variance of one axis' position ``age_s`` after the fit's time [m^2]."""
-        return self.spread[0] + 2.0 * age_s * self.spread[1] + age_s**2 * self.spread[2]
+        return _variance_m2(self.spread, age_s)
 
     def strays(self, rows: FloatArray) -> bool:
         """Whether rows, shape (n, 5), depart sideways: the helicopter is changing course."""

@@ -44,7 +44,7 @@ class Probe(Node):
         self.fixes: list[tuple[float, float]] = []
         self.lists_s: dict[float, float] = {}
         self.accepted_s: dict[float, float] = {}
-        self.waypoints: dict[float, int] = {}
+        self.waypoints: list[int] = []
         self.bare_s: list[float] = []
         self._sent_s = 0.0
         self.bare = self.create_publisher(NavSatFix, FIX, RELIABLE)
@@ -62,7 +62,7 @@ class Probe(Node):
     def _on_accepted(self, message: Any) -> None:
         told = json.loads(message.data)
         self.accepted_s[float(told["stamp_s"])] = time.perf_counter()
-        self.waypoints[float(told["stamp_s"])] = int(told["waypoints"])
+        self.waypoints.append(int(told["waypoints"]))
 
     def _on_bare(self, _message: Any) -> None:
         self.bare_s.append(time.perf_counter() - self._sent_s)
@@ -116,7 +116,7 @@ def graph_delays_s(out: Path) -> tuple[list[tuple[float, float]], int]:
     found = delays(walls, probe.lists_s, probe.accepted_s, FOR_THE_FIX_S)
     if not found:
         raise OSError("no list was made for a fix and accepted: expected some at every corner")
-    return found, int(np.median(list(probe.waypoints.values())))
+    return found, int(np.median(probe.waypoints))
 
 
 def bare_delays_s(items: int) -> list[float]:
