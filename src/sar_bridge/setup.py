@@ -26,7 +26,7 @@ setup(
         "console_scripts": [
             "bridge = sar_bridge.bridge_node:main",
             "monitor = sar_bridge.monitor_node:main",
-            "operator = sar_bridge.operator_cli:main",
+            "operator = sar_bridge.operator_node:main",
         ],
     },
 )

@@ -122,9 +122,29 @@ class BagWriter:
         self._writer.close()
 
 
-def canonical(kind: str, data: bytes) -> bytes:
-    """Return a serialised message with its padding cleared, so that equal messages are equal."""
-    return bytes(TYPESTORE.serialize_cdr(TYPESTORE.deserialize_cdr(data, kind), kind))
+def serialised(kind: str, message: Any) -> bytes:
+    """Return a message of rclpy's as bytes, as rosbags writes it."""
+    if kind == "diagnostic_msgs/msg/DiagnosticArray":
+        message = _with_octets_as_numbers(message)
+    return bytes(TYPESTORE.serialize_cdr(message, kind))
+
+
+def _with_octets_as_numbers(array: Any) -> Any:
+    """Return diagnostics as rosbags has them: an octet, bytes in rclpy, is a number there."""
+    status_type = TYPESTORE.types["diagnostic_msgs/msg/DiagnosticStatus"]
+    return TYPESTORE.types["diagnostic_msgs/msg/DiagnosticArray"](
+        header=array.header,
+        status=[
+            status_type(
+                level=status.level[0],
+                name=status.name,
+                message=status.message,
+                hardware_id=status.hardware_id,
+                values=status.values,
+            )
+            for status in array.status
+        ],
+    )
 
 
 def known_type(kind: str) -> bool:

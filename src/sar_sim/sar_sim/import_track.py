@@ -7,13 +7,14 @@ import math
 import sys
 from pathlib import Path
 
-from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import WriterError
 
 from sar_estimator import topics
 from sar_estimator.messages import fix_to_message
 from sar_estimator.track_csv import read_track
-from sar_sim.bag import BagWriter
+from sar_sim.bag import BagWriter, serialised
+
+FIX_KIND = "sensor_msgs/msg/NavSatFix"
 
 
 def import_track(track: Path, bag: Path) -> int:
@@ -22,8 +23,8 @@ def import_track(track: Path, bag: Path) -> int:
     writer = BagWriter(bag)
     try:
         for fix in fixes:
-            data = serialize_message(fix_to_message(fix))
-            writer.write(topics.FIX, "sensor_msgs/msg/NavSatFix", data, fix.time_s)
+            data = serialised(FIX_KIND, fix_to_message(fix))
+            writer.write(topics.FIX, FIX_KIND, data, fix.time_s)
     finally:
         writer.close()
     return len(fixes)

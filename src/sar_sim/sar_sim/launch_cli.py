@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import signal
 import socket
 import sys
@@ -12,17 +11,12 @@ from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 
-import rclpy
 import yaml
 from ament_index_python.packages import get_package_prefix
-from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 
 from sar_bridge.link import opener
 from sar_estimator import topics
-from sar_estimator.messages import from_stamp
-from sar_estimator.node_support import RELIABLE, Persistent, start_ros
+from sar_estimator.node_support import Persistent
 from sar_planner.parameters import PLANNERS, ParameterError
 from sar_sim.dds_cut import DdsCut
 from sar_sim.faults import NodeFaults
@@ -35,74 +29,16 @@ from sar_sim.options import (
     scenario_folder,
     scenario_from,
 )
-from sar_sim.processes import NodeProcess, folder_bytes, run_apart
+from sar_sim.processes import NodeProcess, run_apart
 from sar_sim.scenario import NODES, Scenario, read_document, scenario_document
 from sar_sim.tracks import load_track
+from sar_sim.watcher_node import HANGS_S, Watcher, start_watching
 
 TELL_TERMINAL_S, TELL_FILE_S = 0.5, 5.0
 RESTARTS = 5
 SETTLED_S = 3.0
-HANGS_S = 10.0
-SILENT_S = 2.0
 ASK_AGAIN_S = 3.0
 FAULT_SIGNALS = {"kill": signal.SIGKILL, "stop": signal.SIGSTOP, "go on": signal.SIGCONT}
-
-
-class Watcher(Node):
-    """Hears the nodes' diagnostics, for the progress line."""
-
-    def __init__(self) -> None:
-        """Subscribe."""
-        super().__init__("launch")
-        self.values: dict[str, dict[str, str]] = {}
-        self.problems: dict[str, str] = {}
-        self.heard_s: dict[str, float] = {}
-        self._newest_s = 0.0
-        self._last_s = self._since_s = -math.inf
-        self.create_subscription(DiagnosticArray, topics.DIAGNOSTICS, self._on, RELIABLE)
-
-    def _on(self, message: DiagnosticArray) -> None:
-        self._newest_s = from_stamp(message.header.stamp)
-        now = time.monotonic()
-        if now - self._last_s > SILENT_S:
-            self._since_s = now
-        self._last_s = now
-        for status in message.status:
-            self.heard_s[status.name] = now
-            self.values[status.name] = {item.key: item.value for item in status.values}
-            self.values[status.name]["time_s"] = str(message.header.stamp.sec)
-            bad = int.from_bytes(status.level, "little") > 0
-            self.problems[status.name] = status.message if bad else ""
-
-    def hangs(self, name: str) -> bool:
-        """Whether a node has said nothing for long while others have all the time."""
-        now = time.monotonic()
-        silent_s = now - max(self.heard_s.get(name, now), self._since_s)
-        return silent_s > HANGS_S and now - self._last_s < SILENT_S
-
-    def time_s(self, speed: float) -> float:
-        """Return the graph's time [s], carried on at a speed while nothing is heard."""
-        silent_s = time.monotonic() - self._last_s
-        carried_on = SILENT_S < silent_s < math.inf
-        return self._newest_s + (speed * silent_s if carried_on else 0.0)
-
-    def line(self, bag: Path) -> str:
-        """Return progress in one line."""
-        planner = self.values.get("planner", {})
-        corner = int(planner.get("corner") or 0)
-        flying = planner.get("rule", "") in ("T1", "T2", "T3", "T4")
-        leg = corner if flying or planner.get("phase") == "decelerating" else corner + 1
-        parts = [
-            f"t {planner.get('time_s', '–')} s",
-            f"leg {max(1, leg)}",
-            f"corner k={corner}",
-            f"rule {planner.get('rule', '–')}",
-            f"L {planner.get('lag_m') or '–'} m",
-            f"separation {planner.get('separation_m') or '–'} m",
-            f"bag {folder_bytes(bag) / 1e6:.1f} MB",
-        ]
-        worst = next((f"{name}: {text}" for name, text in self.problems.items() if text), "")
-        return "  ".join([*parts, worst]).rstrip()
 
 
 class Flight:
@@ -176,7 +112,7 @@ class Flight:
             ended = self.ended()
             if ended is not None and not self.restart(ended):
                 return ended
-            rclpy.spin_once(watcher, timeout_sec=0.1)
+            watcher.listen(0.1)
             answer = engaging.ask() if engaging is not None else ""
             if answer:
                 sys.stdout.write(f"\nengage: {answer}\n" if terminal else f"engage: {answer}\n")
@@ -271,8 +207,7 @@ def main(argv: list[str] | None = None) -> int:
     except (OSError, ValueError, ParameterError) as error:
         sys.stderr.write(f"launch: {error}\n")
         return 2
-    start_ros(signal_handler_options=SignalHandlerOptions.NO)
-    watcher = Watcher()
+    watcher = start_watching()
     engaging = Persistent(watcher, topics.ENGAGE, ASK_AGAIN_S) if args.engage else None
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, flight.on_signal)
@@ -284,8 +219,7 @@ def main(argv: list[str] | None = None) -> int:
             failed = ended
     finally:
         flight.stop()
-        watcher.destroy_node()
-        rclpy.try_shutdown()
+        watcher.close()
     sys.stdout.write("\n")
     if failed is not None:
         sys.stderr.write(

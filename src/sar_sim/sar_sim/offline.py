@@ -7,8 +7,6 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Generic, TypeVar
 
-from rclpy.serialization import serialize_message
-
 from sar_bridge.follower import FollowerTuning
 from sar_bridge.mission_banks import MissionBanks
 from sar_bridge.separation_monitor import (
@@ -50,7 +48,7 @@ from sar_planner.mission import (
     WaypointList,
 )
 from sar_planner.vehicle import Vehicle
-from sar_sim.bag import BagWriter, canonical
+from sar_sim.bag import BagWriter, serialised
 from sar_sim.gps import Reception
 from sar_sim.handover import load_list, monitor_for, tell_monitor
 from sar_sim.presets import parameter_values
@@ -221,7 +219,7 @@ class OfflineFlight:
     def _write(self, topic: str, message: Any) -> None:
         if self._bag is not None:
             kind = message_kind(message)
-            data = canonical(kind, serialize_message(message))
+            data = serialised(kind, message)
             self._bag.write(topic, kind, data, self.now_s, latched=topic in LATCHED)
 
     def _step(self) -> None:
