@@ -25,6 +25,7 @@ ACCEL_STEPS = 13
 ACCEL_SIGMAS = 2.2
 FINE_STEPS = 17
 MIN_TIME_SIGMA_S = 0.05
+NEGLIGIBLE_LOG = -45.0  # less than a double's rounding, 10,000 times over
 TIME, SIGMA, IS_SPEED, LEFT, Q0, Q1 = range(6)
 
 
@@ -203,7 +204,8 @@ def log_bayes_factor(
             h += 1
     total = 0.0
     for one in logs:
-        total += math.exp(one - most)
+        if one - most > NEGLIGIBLE_LOG:
+            total += math.exp(one - most)
     return most + math.log(total)
 
 
@@ -273,35 +275,10 @@ def moments(table: FloatArray) -> FloatArray:
     return out
 
 
-def _grid(
-    onset_range_s: tuple[float, float], accel_prior: AccelPrior
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return onsets, decelerations, and the log prior of each pair by deceleration."""
-    first, last = onset_range_s
-    onsets = np.arange(first, last + 1e-9, ONSET_STEP_S)
-    return onsets, *_decelerations(accel_prior, onsets.size)
-
-
-@lru_cache(maxsize=64)
-def _decelerations(accel_prior: AccelPrior, onsets: int) -> tuple[FloatArray, FloatArray]:
-    """Return decelerations, and the log prior of each with any of so many onsets.
-
-    A cruise asks for the same again and again. Not to be changed.
-    """
-    accels, log_prior = accel_prior.grid()
-    return accels, log_prior - math.log(onsets)
-
-
-def slowing_log_bayes(
-    rows: TrackRows,
-    *,
-    onset_range_s: tuple[float, float],
-    speed_mps: float,
-    accel_prior: AccelPrior,
-) -> float:
-    """Return the log Bayes factor alone of ``stop_posterior``."""
-    measured = (rows.times_s, rows.values, rows.sigmas, rows.is_speed, speed_mps)
-    return float(log_bayes_factor(*measured, *_grid(onset_range_s, accel_prior)))
+@lru_cache(maxsize=8)
+def decelerations(accel_prior: AccelPrior) -> tuple[FloatArray, FloatArray]:
+    """Return a prior's ``grid``. A cruise asks for the same again and again; not to be changed."""
+    return accel_prior.grid()
 
 
 def stop_posterior(
@@ -320,7 +297,9 @@ def stop_posterior(
     reported is profiled per hypothesis. ``log_bayes_factor`` is that of "slowing" against "not".
     """
     first, last = onset_range_s
-    onsets, accels, log_prior = _grid(onset_range_s, accel_prior)
+    onsets = np.arange(first, last + 1e-9, ONSET_STEP_S)
+    accels, log_weights = decelerations(accel_prior)
+    log_prior = log_weights - math.log(onsets.size)
     measured = (rows.times_s, rows.values, rows.sigmas, rows.is_speed, speed_mps)
     table = hypotheses(*measured, onsets, accels, log_prior)
     means, variances = moments(table).tolist()

@@ -6,13 +6,9 @@ import math
 
 import numpy as np
 
-from sar_estimator.corner_detector import (
-    AccelPrior,
-    StopPosterior,
-    slowing_log_bayes,
-    stop_posterior,
-)
-from sar_estimator.leg import MISFIT_LIMIT, LegFit, LegRow, LegTracker, fit_rows
+from sar_estimator.corner_detector import AccelPrior, StopPosterior, stop_posterior
+from sar_estimator.leg import LegFit, LegRow, LegTracker
+from sar_estimator.leg_watch import watch_leg
 from sar_estimator.parameters import EstimatorParameters
 from sar_estimator.states import CornerEstimate, FloatArray, LegEstimate, Motion, Phase
 
@@ -44,6 +40,8 @@ class CornerTracker:
         self._tracker = LegTracker(parameters.leg_window_s)
         self._prior = AccelPrior(parameters.accel_prior_mps2, parameters.accel_prior_spread)
         self._settled: LegFit | None = None
+        self._told: LegFit | None = None
+        self._leg: tuple[LegFit, LegEstimate] | None = None
         self._posterior: StopPosterior | None = None
         self._detected_s = -math.inf
         self._rows_from_s = -math.inf
@@ -59,18 +57,26 @@ class CornerTracker:
         }
         self.phase = Phase.ACCELERATING
         self.corner: CornerEstimate | None = None
-        self.leg: LegEstimate | None = None
         self.withdrawn = 0
 
     @property
-    def manoeuvring(self) -> bool:
-        """Whether the helicopter is expected to change its velocity strongly."""
-        return self.phase is not Phase.CRUISE
+    def leg(self) -> LegEstimate | None:
+        """The leg being flown."""
+        if self._told is None:
+            return None
+        if self._leg is None or self._leg[0] is not self._told:
+            self._leg = self._told, self._told.estimate()
+        return self._leg[1]
+
+    @property
+    def on_leg(self) -> bool:
+        """Whether a leg is being flown and nothing else is foreseen."""
+        return self._told is not None and self.phase is Phase.CRUISE
 
     def restart(self) -> None:
         """Forget leg and corner; what was learnt of speed and deceleration stays."""
         self._tracker.clear()
-        self.corner = self.leg = self._settled = self._posterior = None
+        self.corner = self._told = self._settled = self._posterior = None
         self._still_since_s = None
         self._cruise_after_s = -math.inf
         self.phase = Phase.ACCELERATING
@@ -88,8 +94,7 @@ class CornerTracker:
         fit = self._tracker.fit()
         if fit is not None and fit.speed_mps < self._p.min_cruise_mps:
             fit = None
-        self._settled = fit
-        self.leg = None if fit is None else fit.estimate()
+        self._settled = self._told = fit
         return fit
 
     def _cruise(self, motion: Motion) -> None:
@@ -98,30 +103,16 @@ class CornerTracker:
             self._watch_standstill(motion)
             return
         self._still_since_s = None
-        oldest = fit.since_s
-        if fit.strays(self._tracker.rows_since(fit.time_s + 1e-9)):
-            return
-        onset_range = (max(oldest, motion.time_s - ONSET_REACH_S), motion.time_s)
-        rows = self._tracker.rows_since(oldest)
-        log_bayes = slowing_log_bayes(
-            fit.project(rows),
-            onset_range_s=onset_range,
-            speed_mps=fit.speed_mps,
-            accel_prior=self._prior,
-        )
-        if log_bayes > self._p.detect_log_bayes:
+        rows = self._tracker.rows
+        onset_range = (max(fit.since_s, motion.time_s - ONSET_REACH_S), motion.time_s)
+        seen = watch_leg(rows, fit, onset_range_s=onset_range, accel_prior=self._prior)
+        if seen.log_bayes is not None and seen.log_bayes > self._p.detect_log_bayes:
             self._detected_s = motion.time_s
-            self._rows_from_s = oldest
+            self._rows_from_s = fit.since_s
             self.phase = Phase.DECELERATING
             self._publish(self._infer(rows, onset_range), motion.time_s)
-        elif log_bayes < 0.0:
-            self._tell_all(rows)
-
-    def _tell_all(self, rows: FloatArray) -> None:
-        """Tell the leg as all its rows have it, the newest too: none looks like slowing."""
-        fit, misfit = fit_rows(rows)
-        if misfit < MISFIT_LIMIT:
-            self.leg = fit.estimate()
+        elif seen.steady is not None:
+            self._told = seen.steady
 
     def _infer(
         self,
@@ -166,7 +157,7 @@ class CornerTracker:
             max(self._rows_from_s, self._detected_s - ONSET_REACH_S),
             self._detected_s,
         )
-        rows = self._tracker.rows_since(self._rows_from_s)
+        rows = self._tracker.rows
         self._publish(self._infer(rows, onset_range), motion.time_s)
         cruise = self._posterior.speed_mps
         expected = self._expected_speed(motion.time_s)
@@ -181,7 +172,7 @@ class CornerTracker:
             self._withdraw(motion)
         elif overdue_s >= 0.0 and not moving:
             self.phase = Phase.STOPPED
-            self.leg = None
+            self._told = None
             self._moving_fixes = 0
             self._learn(self._posterior)
 
@@ -222,7 +213,7 @@ class CornerTracker:
 
     def _begin_moving(self, motion: Motion) -> None:
         self.phase = Phase.ACCELERATING
-        self.leg = self._settled = None
+        self._told = self._settled = None
         self._tracker.clear()
         self._still_since_s = None
         speed = self._cruise_speed_mps or motion.speed_mps
@@ -247,5 +238,5 @@ class CornerTracker:
         elif motion.time_s - self._still_since_s >= STANDSTILL_S:
             self.phase = Phase.STOPPED
             self._moving_fixes = 0
-            self.corner = self.leg = None
+            self.corner = self._told = None
             self._tracker.clear()

@@ -12,11 +12,10 @@ from sar_estimator.corner_tracker import CornerTracker
 from sar_estimator.fixes import Fix, FixScreen, Verdict
 from sar_estimator.geodesy import Datum
 from sar_estimator.leg import LegRow
-from sar_estimator.motion_filter import MotionFilters, normalised_innovation
+from sar_estimator.motion_filter import MotionFilters, Spread
 from sar_estimator.parameters import EstimatorParameters
 from sar_estimator.states import (
     CornerEstimate,
-    FloatArray,
     LegEstimate,
     MotionEstimate,
     Phase,
@@ -90,7 +89,9 @@ class HelicopterEstimator:
         if self._filters is None:
             return None
         until_s = min(time_s, self._accepted_s + MAX_COAST_S)
-        return self._filters.steady(until_s) if self._on_leg() else self._filters.agile(until_s)
+        return (
+            self._filters.steady(until_s) if self._tracker.on_leg else self._filters.agile(until_s)
+        )
 
     def add_fix(self, fix: Fix) -> Verdict:
         """Take a fix; return what became of it."""
@@ -104,21 +105,20 @@ class HelicopterEstimator:
             altitude = fix.altitude_m if math.isfinite(fix.altitude_m) else 0.0
             self.datum = Datum(fix.latitude_deg, fix.longitude_deg, altitude)
         east, north, _ = self.datum.to_local(fix.latitude_deg, fix.longitude_deg)
-        position, covariance = (east, north), self._fix_covariance(fix)
-        prediction = self.predict(fix.time_s)
-        if prediction is None or fix.time_s - self._accepted_s > self.parameters.restart_after_s:
+        position, spread = (east, north), self._fix_spread(fix)
+        filters, since_s = self._filters, fix.time_s - self._accepted_s
+        if filters is None or since_s > self.parameters.restart_after_s:
             if refusal is Verdict.REPEATED:
                 return self.screen.note(fix, refusal)
-            return self.screen.note(fix, self._found(fix.time_s, position, covariance))
-        if refusal is Verdict.REPEATED and not self._stands(prediction, position, covariance):
+            return self.screen.note(fix, self._found(fix.time_s, position, spread))
+        if refusal is Verdict.REPEATED and not self._stands(fix.time_s, position, spread):
             return self.screen.note(fix, refusal)
-        assert self._filters is not None
-        surprise = normalised_innovation(self._filters.agile(fix.time_s), position, covariance)
+        _, surprise = filters.surprises(fix.time_s, position, spread)
         if fix.covariance_m2 is None:
             self._learn_noise(surprise)
         if surprise > self.parameters.gate_chi2:
-            return self.screen.note(fix, self._outlier(fix.time_s, position, covariance))
-        self._accept(fix.time_s, position, covariance)
+            return self.screen.note(fix, self._outlier(fix.time_s, position, spread))
+        self._accept(filters, fix.time_s, position, spread)
         return self.screen.note(fix, Verdict.ACCEPTED)
 
     def add_velocity(self, time_s: float, vx_mps: float, vy_mps: float, sigma_mps: float) -> bool:
@@ -141,10 +141,8 @@ class HelicopterEstimator:
         self._velocities.append(LegRow(time_s, vx_mps, vy_mps, sigma, is_velocity=True))
         return True
 
-    def _use_velocities(self, until_s: float) -> list[LegRow]:
+    def _use_velocities(self, filters: MotionFilters, until_s: float) -> list[LegRow]:
         """Update with the velocities not newer than a fix; return those that were believed."""
-        filters = self._filters
-        assert filters is not None
         believed = []
         while self._velocities and self._velocities[0].time_s <= until_s + 1e-6:
             row = self._velocities.popleft()
@@ -172,23 +170,21 @@ class HelicopterEstimator:
         self._velocities.clear()
         self._tracker.restart()
 
-    def _on_leg(self) -> bool:
-        return not self._tracker.manoeuvring and self._tracker.leg is not None
-
-    def _fix_covariance(self, fix: Fix) -> FloatArray:
+    def _fix_spread(self, fix: Fix) -> Spread:
+        """Return the covariance that a fix is taken to have [m^2]."""
         floor = self.parameters.min_fix_sigma_m**2
-        given = fix.covariance_m2
-        if given is not None:
-            (xx, xy), (yx, yy) = given.tolist()
+        if fix.covariance_m2 is not None:
+            (xx, xy), (yx, yy) = fix.covariance_m2.tolist()
             if math.isfinite(xx + xy + yx + yy) and xx + yy > 0.0:
                 xy = 0.5 * (xy + yx)
-                given = np.array(((xx, xy), (xy, yy)))
                 if 0.5 * (xx + yy) - math.hypot(0.5 * (xx - yy), xy) >= floor:
-                    return given
-                values, axes = np.linalg.eigh(given)
-                return np.asarray((axes * np.maximum(values, floor)) @ axes.T)
+                    return xx, xy, yy
+                values, axes = np.linalg.eigh(((xx, xy), (xy, yy)))
+                (xx, xy), (_, yy) = ((axes * np.maximum(values, floor)) @ axes.T).tolist()
+                return xx, xy, yy
         scale = self._noise_scale if self._noise_scale > NOISY_SCALE else 1.0
-        return np.eye(2) * max(floor, scale * self.parameters.default_fix_sigma_m**2)
+        variance = max(floor, scale * self.parameters.default_fix_sigma_m**2)
+        return variance, 0.0, variance
 
     def _learn_noise(self, surprise: float) -> None:
         """Learn how much worse fixes without covariance are than they are taken for.
@@ -201,64 +197,58 @@ class HelicopterEstimator:
         self._noise_scale += NOISE_GAIN * (seen - self._noise_scale)
         self._noise_scale = min(self._noise_scale, MAX_NOISE_SCALE)
 
-    def _stands(
-        self, prediction: MotionEstimate, position: tuple[float, float], covariance: FloatArray
-    ) -> bool:
+    def _stands(self, time_s: float, position: tuple[float, float], spread: Spread) -> bool:
         """Whether a repeated position is believable: the helicopter has hardly moved since."""
-        moved = math.hypot(prediction.motion.x_m - position[0], prediction.motion.y_m - position[1])
-        sigma = _sigma_m(covariance)
-        return moved <= max(1.5, min(sigma, 3.0)) and prediction.motion.speed_mps < 3.0
+        prediction = self.predict(time_s)
+        assert prediction is not None
+        motion = prediction.motion
+        moved = math.hypot(motion.x_m - position[0], motion.y_m - position[1])
+        return moved <= max(1.5, min(_sigma_m(spread), 3.0)) and motion.speed_mps < 3.0
 
-    def _accept(self, time_s: float, position: tuple[float, float], covariance: FloatArray) -> None:
+    def _accept(
+        self, filters: MotionFilters, time_s: float, position: tuple[float, float], spread: Spread
+    ) -> None:
         """Update both filters; the steady one begins again where it cannot follow."""
-        filters = self._filters
-        assert filters is not None
         self._outliers.clear()
-        velocities = self._use_velocities(time_s)
-        surprise = normalised_innovation(filters.steady(time_s), position, covariance)
+        velocities = self._use_velocities(filters, time_s)
+        surprise, _ = filters.surprises(time_s, position, spread)
         filters.advance(time_s)
-        filters.update_position(position, covariance)
-        if surprise > SURPRISE_CHI2 or not self._on_leg():
+        filters.update_position(position, spread)
+        if surprise > SURPRISE_CHI2 or not self._tracker.on_leg:
             filters.settle()
         self._accepted_s = time_s
-        row = LegRow(time_s, *position, _sigma_m(covariance), is_velocity=False)
+        row = LegRow(time_s, *position, _sigma_m(spread), is_velocity=False)
         self._tracker.update([*velocities, row], filters.agile(time_s).motion)
 
-    def _found(
-        self, time_s: float, position: tuple[float, float], covariance: FloatArray
-    ) -> Verdict:
+    def _found(self, time_s: float, position: tuple[float, float], spread: Spread) -> Verdict:
         """Begin again where the helicopter can have flown to since; elsewhere as after a jump."""
         if self._filters is not None:
             there = self._filters.position
             reach_m = TOP_SPEED_MPS * (time_s - self._accepted_s)
             if math.hypot(position[0] - there[0], position[1] - there[1]) > reach_m:
-                return self._outlier(time_s, position, covariance)
-        self._restart(time_s, position, covariance)
+                return self._outlier(time_s, position, spread)
+        self._restart(time_s, position, spread)
         return Verdict.ACCEPTED
 
-    def _outlier(
-        self, time_s: float, position: tuple[float, float], covariance: FloatArray
-    ) -> Verdict:
+    def _outlier(self, time_s: float, position: tuple[float, float], spread: Spread) -> Verdict:
         """Refuse a fix outside the gate, unless the last few agree that the aircraft is there."""
         self._outliers.append((time_s, *position))
         if len(self._outliers) < self.parameters.jump_after:
             return Verdict.OUTLIER
         recent = self._outliers[-self.parameters.jump_after :]
-        sigma = math.sqrt(2.0) * _sigma_m(covariance)
+        sigma = math.sqrt(2.0) * _sigma_m(spread)
         for (t0, x0, y0), (t1, x1, y1) in pairwise(recent):
             if math.hypot(x1 - x0, y1 - y0) > TOP_SPEED_MPS * (t1 - t0) + 3.0 * sigma:
                 return Verdict.OUTLIER
-        self._restart(time_s, position, covariance)
+        self._restart(time_s, position, spread)
         return Verdict.JUMP
 
-    def _restart(
-        self, time_s: float, position: tuple[float, float], covariance: FloatArray
-    ) -> None:
+    def _restart(self, time_s: float, position: tuple[float, float], spread: Spread) -> None:
         p = self.parameters
         self._filters = MotionFilters(
             time_s,
             position,
-            covariance,
+            spread,
             tau_s=p.accel_tau_s,
             speed_sigma_mps=UNKNOWN_SPEED_SIGMA_MPS,
             accel_sigmas_mps2=(p.cruise_accel_sigma_mps2, p.turn_accel_sigma_mps2),
@@ -269,6 +259,6 @@ class HelicopterEstimator:
         self._tracker.restart()
 
 
-def _sigma_m(covariance_m2: FloatArray) -> float:
+def _sigma_m(spread_m2: Spread) -> float:
     """Return the standard deviation of one axis [m], the mean of both."""
-    return math.sqrt(0.5 * (float(covariance_m2[0, 0]) + float(covariance_m2[1, 1])))
+    return math.sqrt(0.5 * (spread_m2[0] + spread_m2[2]))

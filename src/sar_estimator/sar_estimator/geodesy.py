@@ -39,17 +39,17 @@ class Datum:
         """Return east, north, up [m]; without an altitude the datum's is taken."""
         altitude = self.altitude_m if altitude_m is None else altitude_m
         x, y, z = pymap3d.geodetic2ecef(latitude_deg, longitude_deg, altitude)
-        origin_x, origin_y, origin_z = self._origin
-        east, north, up = pymap3d.uvw2enu(
-            x - origin_x, y - origin_y, z - origin_z, self.latitude_deg, self.longitude_deg
-        )
-        return float(east), float(north), float(up)
+        (xe, ye, ze), (xn, yn, zn), (xu, yu, zu), (x0, y0, z0) = self._frame
+        x, y, z = float(x) - x0, float(y) - y0, float(z) - z0
+        return xe * x + ye * y + ze * z, xn * x + yn * y + zn * z, xu * x + yu * y + zu * z
 
     @cached_property
-    def _origin(self) -> tuple[float, float, float]:
-        """Where it is in the frame of the Earth [m]."""
-        x, y, z = pymap3d.geodetic2ecef(self.latitude_deg, self.longitude_deg, self.altitude_m)
-        return float(x), float(y), float(z)
+    def _frame(self) -> tuple[tuple[float, ...], ...]:
+        """East, north and up in the frame of the Earth, each of length 1, and the origin [m]."""
+        here = self.latitude_deg, self.longitude_deg
+        axes = [pymap3d.enu2uvw(*axis, *here) for axis in np.eye(3).tolist()]
+        origin = pymap3d.geodetic2ecef(*here, self.altitude_m)
+        return tuple(tuple(float(part) for part in vector) for vector in (*axes, origin))
 
     def to_geodetic(self, x_m: float, y_m: float, z_m: float = 0.0) -> tuple[float, float, float]:
         """Return latitude [deg], longitude [deg], altitude [m] of a map position."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +29,7 @@ def chi_square_z(chi_square: float, dof: int) -> float:
     return (float(np.cbrt(chi_square / dof)) - 1.0 + variance) / math.sqrt(variance)
 
 
-@dataclass(frozen=True, slots=True)
-class LegRow:
+class LegRow(NamedTuple):
     """One accepted measurement: position [m] with sigma [m], or a velocity [m/s] with sigma."""
 
     time_s: float
@@ -89,7 +88,7 @@ def _positions(rows: FloatArray) -> int:
 
 
 @compiled("int64(float64[:, ::1], float64)")
-def _first_since(rows: FloatArray, time_s: float) -> int:
+def first_since(rows: FloatArray, time_s: float) -> int:
     """Return the number of the first row not older than a time [s]."""
     first = len(rows)
     while first > 0 and rows[first - 1, TIME] >= time_s:
@@ -125,7 +124,7 @@ def _variance_m2(spread: tuple[float, float, float], age_s: float) -> float:
     "float64(float64[:, ::1], float64, UniTuple(float64, 2), UniTuple(float64, 2),"
     " UniTuple(float64, 3))"
 )
-def _sideways(
+def misfit_across(
     rows: FloatArray,
     time_s: float,
     position_m: tuple[float, float],
@@ -148,23 +147,24 @@ def _sideways(
 
 @compiled(
     "Tuple((float64[::1], float64[::1], float64[::1], boolean[::1]))"
-    "(float64[:, ::1], float64, float64, float64, float64)"
+    "(float64[:, ::1], UniTuple(float64, 2), UniTuple(float64, 2))"
 )
-def _along(
-    rows: FloatArray, begin_x: float, begin_y: float, ux: float, uy: float
+def rows_along(
+    rows: FloatArray, position_m: tuple[float, float], velocity_mps: tuple[float, float]
 ) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.bool_]]:
-    """Return ``TrackRows``' arrays of rows along a direction from a place."""
+    """Return ``TrackRows``' arrays of rows, shape (n, 5), along a velocity from a place."""
     is_speed = rows[:, IS_VELOCITY] > 0.0
     values = np.empty(rows.shape[0])
+    speed = math.hypot(velocity_mps[0], velocity_mps[1])
+    ux, uy = velocity_mps[0] / speed, velocity_mps[1] / speed
     for i in range(rows.shape[0]):
         values[i] = rows[i, X] * ux + rows[i, Y] * uy
         if not is_speed[i]:
-            values[i] -= begin_x * ux + begin_y * uy
+            values[i] -= position_m[0] * ux + position_m[1] * uy
     return rows[:, TIME].copy(), values, rows[:, SIGMA].copy(), is_speed
 
 
-@dataclass(frozen=True)
-class LegFit:
+class LegFit(NamedTuple):
     """A constant-velocity fit to rows from ``since_s`` on, with times counted from ``time_s``.
 
     ``spread``: variances of one axis' position and velocity, and between them their covariance.
@@ -207,27 +207,13 @@ class LegFit:
         """Return the variance of one axis' position ``age_s`` after the fit's time [m^2]."""
         return _variance_m2(self.spread, age_s)
 
-    def strays(self, rows: FloatArray) -> bool:
-        """Whether rows, shape (n, 5), depart sideways: the helicopter is changing course."""
-        misfit = _sideways(rows, self.time_s, self.position_m, self.velocity_mps, self.spread)
-        return misfit > MISFIT_LIMIT
-
     def project(self, rows: FloatArray) -> TrackRows:
         """Return rows, shape (n, 5), measured along the fitted line, from ``position_m``."""
-        speed = self.speed_mps
-        ux, uy = self.velocity_mps[0] / speed, self.velocity_mps[1] / speed
-        return TrackRows(*_along(rows, *self.position_m, ux, uy))
+        return TrackRows(*rows_along(rows, self.position_m, self.velocity_mps))
 
 
-def fit_rows(rows: FloatArray) -> tuple[LegFit, float]:
-    """Fit a constant velocity to rows, shape (n, 5): time, x, y, sigma, whether a velocity.
-
-    Returns it with its misfit in standard deviations of chi-square.
-    """
-    return _leg_fit(rows, fit_line(rows))
-
-
-def _leg_fit(rows: FloatArray, found: FloatArray) -> tuple[LegFit, float]:
+def leg_fit(rows: FloatArray, found: FloatArray) -> tuple[LegFit, float]:
+    """Return what ``fit_line`` found of rows, shape (n, 5), and its misfit."""
     x, y, vx, vy, c11, c12, c22, misfit = found.tolist()
     first, last = float(rows[0, TIME]), float(rows[-1, TIME])
     return LegFit(last, first, (x, y), (vx, vy), (c11, c12, c22)), misfit
@@ -244,7 +230,7 @@ class LegTracker:
         self._newest_s = [-math.inf, -math.inf]
 
     @property
-    def _rows(self) -> FloatArray:
+    def rows(self) -> FloatArray:
         """The rows kept, shape (n, 5), in order of time."""
         return self._table[self._begin : self._end]
 
@@ -258,20 +244,15 @@ class LegTracker:
             return
         self._newest_s[row.is_velocity] = row.time_s
         if self._end == len(self._table):
-            kept = self._rows.copy()
+            kept = self.rows.copy()
             if len(kept) > len(self._table) // 2:
                 self._table = np.empty((2 * len(self._table), 5))
             self._table[: len(kept)] = kept
             self._begin, self._end = 0, len(kept)
-        self._table[self._end] = (row.time_s, row.x, row.y, row.sigma, row.is_velocity)
+        self._table[self._end] = row
         self._end += 1
         while self._table[self._begin, TIME] < row.time_s - self._window_s:
             self._begin += 1
-
-    def rows_since(self, time_s: float) -> FloatArray:
-        """Return the rows not older than ``time_s`` [s], shape (n, 5)."""
-        rows = self._rows
-        return rows[_first_since(rows, time_s) :]
 
     def clear(self) -> None:
         """Forget the leg."""
@@ -285,11 +266,11 @@ class LegTracker:
         which has just begun does not bend the leg it is measured against. Where the helicopter has
         changed course or speed, older rows are let go for good.
         """
-        rows = self._rows
+        rows = self.rows
         if len(rows) == 0:
             return None
         first, end, found = _longest_fit(rows)
         if first == end:
             return None
         self._begin += first
-        return _leg_fit(rows[first:end], found)[0]
+        return leg_fit(rows[first:end], found)[0]
