@@ -21,7 +21,7 @@ from std_srvs.srv import Trigger
 
 from sar_bridge.link import Link
 from sar_bridge.liveness import Liveness
-from sar_bridge.session import AutopilotSession, Messages
+from sar_bridge.session import AutopilotSession
 from sar_bridge.signing import Signer
 from sar_estimator import topics
 from sar_estimator.geodesy import Datum
@@ -36,7 +36,15 @@ from sar_estimator.messages import (
     to_stamp,
     vector_message,
 )
-from sar_estimator.node_support import LATCHED, RELIABLE, now_s, parameter, run_node
+from sar_estimator.node_support import (
+    LATCHED,
+    RELIABLE,
+    now_s,
+    parameter,
+    report_each_second,
+    run_node,
+)
+from sar_estimator.states import FloatArray
 
 TICK_S = 0.05
 WATCHED = ("planner", "monitor")
@@ -67,7 +75,7 @@ class BridgeNode(Node):
         self._told_upload: object = None
         self._running = True
         self._started_s = 0.0
-        self._early_list: Path | None = None
+        self._early_list: tuple[Path, FloatArray] | None = None
         self._odometry = self.create_publisher(Odometry, topics.UAV_ODOMETRY, RELIABLE)
         self._uav_clock = self.create_publisher(ClockMessage, topics.UAV_CLOCK, RELIABLE)
         self._state = self.create_publisher(String, topics.UAV_STATE, LATCHED)
@@ -83,7 +91,7 @@ class BridgeNode(Node):
         self.create_service(Trigger, topics.RETURN_HOME, self._on_return_home)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(TICK_S, self._on_tick, clock=wall)
-        self.create_timer(1.0, self._on_diagnostics)
+        report_each_second(self, self._on_diagnostics)
         self._reader = threading.Thread(target=self._read, name="mavlink", daemon=True)
         self._reader.start()
 
@@ -92,9 +100,6 @@ class BridgeNode(Node):
         self._running = False
         self._reader.join(timeout=2.0)
         self._link.close()
-
-    def _send(self, messages: Messages) -> None:
-        self._link.send(messages)
 
     def _read(self) -> None:
         while self._running:
@@ -109,7 +114,7 @@ class BridgeNode(Node):
         out, moved = self._session.handle(
             message, now_s=time.monotonic(), ros_s=now_s(self), datum=self._datum
         )
-        self._send(out)
+        self._link.send(out)
         if moved and self._running:
             self._publish_odometry()
         boot_s = self._session.state.boot_s
@@ -147,7 +152,7 @@ class BridgeNode(Node):
         with self._lock:
             self._datum = datum
             if self._early_list is not None:
-                self._take_list(self._early_list, datum)
+                self._take_list(*self._early_list, datum)
 
     def _on_list(self, message: Path) -> None:
         points = path_to_points(message)
@@ -156,17 +161,17 @@ class BridgeNode(Node):
             return
         with self._lock:
             if self._datum is None:
-                self._early_list = message
+                self._early_list = message, points
             else:
-                self._take_list(message, self._datum)
+                self._take_list(message, points, self._datum)
 
-    def _take_list(self, message: Path, datum: Datum) -> None:
+    def _take_list(self, message: Path, points: FloatArray, datum: Datum) -> None:
         """Upload a list; one from before this node's start never changes the mode."""
         self._early_list = None
         stamp = from_stamp(message.header.stamp)
-        self._send(
+        self._link.send(
             self._session.set_list(
-                path_to_points(message),
+                points,
                 stamp,
                 datum,
                 time.monotonic(),
@@ -182,7 +187,7 @@ class BridgeNode(Node):
     def _on_speed(self, message: Float64) -> None:
         if math.isfinite(message.data):
             with self._lock:
-                self._send(self._session.set_speed(message.data, time.monotonic()))
+                self._link.send(self._session.set_speed(message.data, time.monotonic()))
 
     def _on_return_home(
         self, _request: Trigger.Request, response: Trigger.Response
@@ -190,7 +195,7 @@ class BridgeNode(Node):
         with self._lock:
             now = time.monotonic()
             commands = self._session.return_home(now)
-            self._send(commands)
+            self._link.send(commands)
             response.success = bool(commands) and self._session.connected(now)
             response.message = "RTL commanded" if response.success else "no autopilot heard"
         self.get_logger().info(f"return home: {response.message}")
@@ -202,17 +207,8 @@ class BridgeNode(Node):
             self._started_s = now_s(self)  # the first time a simulated clock is known
         with self._lock:
             self._session.silent = self._liveness.silent(now)
-            self._send(self._session.tick(now))
-            state = self._session.state
-            text = json.dumps(
-                {
-                    "mode": state.mode,
-                    "armed": state.armed,
-                    "connected": self._session.connected(now),
-                    "led": self._session.leading,
-                    "airspeed_ratio": round(state.wind.airspeed_ratio, 3),
-                }
-            )
+            self._link.send(self._session.tick(now))
+            text = json.dumps(self._session.summary(now))
         if text != self._told_state:
             self._told_state = text
             self._state.publish(text_message(text))

@@ -36,7 +36,15 @@ from sar_estimator.messages import (
     points_to_path,
     text_message,
 )
-from sar_estimator.node_support import LATCHED, RELIABLE, now_s, parameter, parameters, run_node
+from sar_estimator.node_support import (
+    LATCHED,
+    RELIABLE,
+    now_s,
+    parameter,
+    parameters,
+    report_each_second,
+    run_node,
+)
 from sar_estimator.states import Phase
 
 
@@ -82,7 +90,7 @@ class MonitorNode(Node):
         ):
             self.create_subscription(kind, topic, callback, qos)
         self.create_timer(1.0 / rate, self._guard)
-        self.create_timer(1.0, self._on_diagnostics)
+        report_each_second(self, self._on_diagnostics)
         self._tell()
 
     # What is known -----------------------------------------------------------------------------

@@ -260,6 +260,16 @@ class AutopilotSession:
         """Whether the autopilot's heartbeat is fresh."""
         return now_s - self.state.heartbeat_s < LINK_TIMEOUT_S
 
+    def summary(self, now_s: float) -> dict[str, object]:
+        """Return what the graph is to know of the autopilot at any time."""
+        return {
+            "mode": self.state.mode,
+            "armed": self.state.armed,
+            "connected": self.connected(now_s),
+            "led": self.leading,
+            "airspeed_ratio": round(self.state.wind.airspeed_ratio, 3),
+        }
+
     def problem(self, now_s: float) -> str:
         """Return what is wrong, empty when nothing is."""
         if self.address is None:

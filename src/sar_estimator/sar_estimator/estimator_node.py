@@ -26,7 +26,15 @@ from sar_estimator.messages import (
     prediction_outputs,
     text_message,
 )
-from sar_estimator.node_support import LATCHED, RELIABLE, now_s, parameter, parameters, run_node
+from sar_estimator.node_support import (
+    LATCHED,
+    RELIABLE,
+    now_s,
+    parameter,
+    parameters,
+    report_each_second,
+    run_node,
+)
 from sar_estimator.parameters import EstimatorParameters
 from sar_estimator.states import Phase
 
@@ -69,7 +77,7 @@ class EstimatorNode(Node):
             TwistStamped, topics.VELOCITY, self._on_velocity, qos_profile_sensor_data
         )
         self.create_timer(1.0 / rate, self._on_timer)
-        self.create_timer(1.0, self._on_diagnostics)
+        report_each_second(self, self._on_diagnostics)
         self._send_datum()
 
     def _on_fix(self, message: NavSatFix) -> None:

@@ -21,7 +21,15 @@ from sar_estimator.messages import (
     path_to_corner,
     points_to_path,
 )
-from sar_estimator.node_support import LATCHED, RELIABLE, now_s, parameter, parameters, run_node
+from sar_estimator.node_support import (
+    LATCHED,
+    RELIABLE,
+    now_s,
+    parameter,
+    parameters,
+    report_each_second,
+    run_node,
+)
 from sar_estimator.states import Phase
 from sar_planner.messages import (
     MarkerTracks,
@@ -81,7 +89,7 @@ class PlannerNode(Node):
         self.create_service(Trigger, topics.ENGAGE, self._on_engage)
         self.create_service(Trigger, topics.DISENGAGE, self._on_disengage)
         self.create_timer(1.0 / rate, self._decide)
-        self.create_timer(1.0, self._tell)
+        report_each_second(self, self._tell)
         self._senders[topics.MISSION].publish(mission_message(self._planner))
 
     def _on_helicopter(self, message: Odometry) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import sys
 from functools import partial
 from pathlib import Path
@@ -15,10 +16,17 @@ from rosbags.rosbag2 import WriterError
 
 from sar_estimator import topics
 from sar_estimator.messages import diagnostics
-from sar_estimator.node_support import RELIABLE, now_s, parameter, run_node
+from sar_estimator.node_support import (
+    RELIABLE,
+    now_s,
+    parameter,
+    report_each_second,
+    run_node,
+)
 from sar_sim.bag import BagWriter, known_type
 from sar_sim.message_types import get_message
 
+YIELDING = 5  # of niceness: what flies comes first, and a thousand messages of a topic can wait
 DISCOVERY_PERIOD_S = 0.25
 FLUSH_PERIOD_S = 0.9
 
@@ -29,6 +37,7 @@ class RecordNode(Node):
     def __init__(self) -> None:
         """Open the bag."""
         super().__init__("record")
+        os.nice(YIELDING)
         folder = parameter(self, "bag", "")
         if not folder:
             raise ValueError("parameter bag: expected a folder that does not exist yet")
@@ -43,7 +52,7 @@ class RecordNode(Node):
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DISCOVERY_PERIOD_S, self._discover, clock=wall)
         self.create_timer(FLUSH_PERIOD_S, self._flush, clock=wall)
-        self.create_timer(1.0, self._tell)
+        report_each_second(self, self._tell)
         self._discover()
 
     def close(self) -> None:
