@@ -281,6 +281,15 @@ def decelerations(accel_prior: AccelPrior) -> tuple[FloatArray, FloatArray]:
     return accel_prior.grid()
 
 
+@compiled("UniTuple(float64[::1], 2)(UniTuple(float64, 2), float64[::1])")
+def first_grid(
+    onset_range_s: tuple[float, float], log_weights: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return every onset of a range, and the log prior of each deceleration with any of them."""
+    onsets = np.arange(onset_range_s[0], onset_range_s[1] + 1e-9, ONSET_STEP_S)
+    return onsets, log_weights - math.log(onsets.size)
+
+
 def stop_posterior(
     rows: TrackRows,
     *,
@@ -296,10 +305,8 @@ def stop_posterior(
     ``speed_mps`` is the leg's cruise speed, used for where the slowing ends; the speed that is
     reported is profiled per hypothesis. ``log_bayes_factor`` is that of "slowing" against "not".
     """
-    first, last = onset_range_s
-    onsets = np.arange(first, last + 1e-9, ONSET_STEP_S)
     accels, log_weights = decelerations(accel_prior)
-    log_prior = log_weights - math.log(onsets.size)
+    onsets, log_prior = first_grid(onset_range_s, log_weights)
     measured = (rows.times_s, rows.values, rows.sigmas, rows.is_speed, speed_mps)
     table = hypotheses(*measured, onsets, accels, log_prior)
     means, variances = moments(table).tolist()
@@ -309,7 +316,7 @@ def stop_posterior(
     for _ in range(refinements):
         onset_reach = max(3.0 * math.sqrt(variances[1]), onset_step)
         accel_reach = max(3.0 * math.sqrt(variances[2]), accel_step)
-        onsets = np.clip(means[1] + onset_reach * offsets, first, last)
+        onsets = np.clip(means[1] + onset_reach * offsets, *onset_range_s)
         log_accels = means[2] + accel_reach * offsets
         log_prior = accel_prior.log_density(log_accels)
         table = hypotheses(*measured, onsets, np.exp(log_accels), log_prior)

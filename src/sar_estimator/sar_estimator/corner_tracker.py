@@ -10,7 +10,7 @@ from sar_estimator.corner_detector import AccelPrior, StopPosterior, stop_poster
 from sar_estimator.leg import LegFit, LegRow, LegTracker
 from sar_estimator.leg_watch import watch_leg
 from sar_estimator.parameters import EstimatorParameters
-from sar_estimator.states import CornerEstimate, FloatArray, LegEstimate, Motion, Phase
+from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
 
 ONSET_REACH_S = 10.0
 REFINEMENTS = 2
@@ -44,7 +44,6 @@ class CornerTracker:
         self._leg: tuple[LegFit, LegEstimate] | None = None
         self._posterior: StopPosterior | None = None
         self._detected_s = -math.inf
-        self._rows_from_s = -math.inf
         self._moving_fixes = 0
         self._still_since_s: float | None = None
         self._cruise_after_s = -math.inf
@@ -103,26 +102,24 @@ class CornerTracker:
             self._watch_standstill(motion)
             return
         self._still_since_s = None
-        rows = self._tracker.rows
-        onset_range = (max(fit.since_s, motion.time_s - ONSET_REACH_S), motion.time_s)
-        seen = watch_leg(rows, fit, onset_range_s=onset_range, accel_prior=self._prior)
+        seen = watch_leg(
+            self._tracker.rows,
+            fit,
+            onset_range_s=_onset_range_s(fit, motion.time_s),
+            accel_prior=self._prior,
+        )
         if seen.log_bayes is not None and seen.log_bayes > self._p.detect_log_bayes:
             self._detected_s = motion.time_s
-            self._rows_from_s = fit.since_s
             self.phase = Phase.DECELERATING
-            self._publish(self._infer(rows, onset_range), motion.time_s)
+            self._publish(self._infer(), motion.time_s)
         elif seen.steady is not None:
             self._told = seen.steady
 
-    def _infer(
-        self,
-        rows: FloatArray,
-        onset_range_s: tuple[float, float],
-    ) -> StopPosterior:
+    def _infer(self) -> StopPosterior:
         assert self._settled is not None
         return stop_posterior(
-            self._settled.project(rows),
-            onset_range_s=onset_range_s,
+            self._settled.project(self._tracker.rows),
+            onset_range_s=_onset_range_s(self._settled, self._detected_s),
             speed_mps=self._settled.speed_mps,
             accel_prior=self._prior,
             refinements=REFINEMENTS,
@@ -153,12 +150,7 @@ class CornerTracker:
     def _decelerating(self, motion: Motion) -> None:
         assert self._settled is not None
         assert self._posterior is not None
-        onset_range = (
-            max(self._rows_from_s, self._detected_s - ONSET_REACH_S),
-            self._detected_s,
-        )
-        rows = self._tracker.rows
-        self._publish(self._infer(rows, onset_range), motion.time_s)
+        self._publish(self._infer(), motion.time_s)
         cruise = self._posterior.speed_mps
         expected = self._expected_speed(motion.time_s)
         along = motion.speed_mps * math.cos(motion.course_rad - self._settled.heading_rad)
@@ -240,3 +232,8 @@ class CornerTracker:
             self._moving_fixes = 0
             self.corner = self._told = None
             self._tracker.clear()
+
+
+def _onset_range_s(fit: LegFit, until_s: float) -> tuple[float, float]:
+    """Return when a slowing on a leg may have begun [s], as seen at ``until_s`` [s]."""
+    return max(fit.since_s, until_s - ONSET_REACH_S), until_s

@@ -182,9 +182,13 @@ class HelicopterEstimator:
                 values, axes = np.linalg.eigh(((xx, xy), (xy, yy)))
                 (xx, xy), (_, yy) = ((axes * np.maximum(values, floor)) @ axes.T).tolist()
                 return xx, xy, yy
-        scale = self._noise_scale if self._noise_scale > NOISY_SCALE else 1.0
-        variance = max(floor, scale * self.parameters.default_fix_sigma_m**2)
+        variance = max(floor, self._believed_scale * self.parameters.default_fix_sigma_m**2)
         return variance, 0.0, variance
+
+    @property
+    def _believed_scale(self) -> float:
+        """How much worse than taken for fixes without covariance are used: as learnt, if much."""
+        return self._noise_scale if self._noise_scale > NOISY_SCALE else 1.0
 
     def _learn_noise(self, surprise: float) -> None:
         """Learn how much worse fixes without covariance are than they are taken for.
@@ -192,8 +196,7 @@ class HelicopterEstimator:
         The normalised innovation's mean is 2 where they are right; what is used is its slow average
         in units of that, once it is well beyond.
         """
-        current = self._noise_scale if self._noise_scale > NOISY_SCALE else 1.0
-        seen = current * min(surprise, self.parameters.gate_chi2) / 2.0
+        seen = self._believed_scale * min(surprise, self.parameters.gate_chi2) / 2.0
         self._noise_scale += NOISE_GAIN * (seen - self._noise_scale)
         self._noise_scale = min(self._noise_scale, MAX_NOISE_SCALE)
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from sar_estimator.compiled import compiled
 from sar_estimator.corner_detector import (
-    ONSET_STEP_S,
     AccelPrior,
     decelerations,
+    first_grid,
     log_bayes_factor,
 )
 from sar_estimator.leg import (
@@ -27,15 +27,18 @@ from sar_estimator.states import FloatArray
 
 
 class LegEvidence(NamedTuple):
-    """``strays``: whether the newest rows depart sideways: the helicopter is changing course.
+    """``log_bayes``: the log Bayes factor of "slowing" against "not", None of a leg strayed from.
 
-    ``log_bayes``: the log Bayes factor of "slowing" against "not", None of one that strays.
     ``steady``: the fit to all rows, the newest too, where they show no slowing; None where they do.
     """
 
-    strays: bool
     log_bayes: float | None
     steady: LegFit | None
+
+    @property
+    def strays(self) -> bool:
+        """Whether the newest rows depart sideways: the helicopter is changing course."""
+        return self.log_bayes is None
 
 
 @compiled(
@@ -62,8 +65,7 @@ def _weighed(
     if across > MISFIT_LIMIT:
         return across, 0.0, np.empty(0)
     along = rows_along(rows, position_m, velocity_mps)
-    onsets = np.arange(onset_range_s[0], onset_range_s[1] + 1e-9, ONSET_STEP_S)
-    log_prior = log_weights - math.log(onsets.size)
+    onsets, log_prior = first_grid(onset_range_s, log_weights)
     speed = math.hypot(velocity_mps[0], velocity_mps[1])
     log_bayes = log_bayes_factor(
         along[0], along[1], along[2], along[3], speed, onsets, accels_mps2, log_prior
@@ -85,9 +87,9 @@ def watch_leg(
     known = (fit.time_s, fit.position_m, fit.velocity_mps, fit.spread)
     across, log_bayes, whole = _weighed(rows, *known, onset_range_s, *decelerations(accel_prior))
     if across > MISFIT_LIMIT:
-        return LegEvidence(strays=True, log_bayes=None, steady=None)
+        return LegEvidence(log_bayes=None, steady=None)
     steady = None
     if whole.size:
         found, misfit = leg_fit(rows, whole)
         steady = found if misfit < MISFIT_LIMIT else None
-    return LegEvidence(strays=False, log_bayes=log_bayes, steady=steady)
+    return LegEvidence(log_bayes=log_bayes, steady=steady)

@@ -82,7 +82,11 @@ def carried(
     ``transition``, ``noises``: those of one axis, (3, 3) and (n, 3, 3); the axes are moved alike
     and do not act on each other.
     """
-    moved, out, half = np.zeros(states.shape), np.zeros(covariances.shape), np.empty((6, 6))
+    moved, out, half = (
+        np.zeros(states.shape),
+        np.zeros(covariances.shape),
+        np.empty((STATES, STATES)),
+    )
     for n in range(states.shape[0]):
         half[:] = 0.0
         for i in range(STATES):
@@ -104,7 +108,7 @@ def carried(
 @compiled(
     "void(float64[:, ::1], float64[:, :, ::1], int64, UniTuple(float64, 2), UniTuple(float64, 3))"
 )
-def update(
+def _update(
     states: FloatArray,
     covariances: FloatArray,
     what: int,
@@ -233,10 +237,10 @@ class MotionFilters:
     def update_position(self, position_m: tuple[float, float], spread_m2: Spread) -> None:
         """Update with a position [m] and its covariance [m^2]."""
         self._ahead = None
-        update(self._states, self._covariances, POSITION, position_m, spread_m2)
+        _update(self._states, self._covariances, POSITION, position_m, spread_m2)
 
     def update_velocity(self, velocity_mps: tuple[float, float], sigma_mps: float) -> None:
         """Update with a velocity [m/s] of standard deviation ``sigma_mps`` on each axis."""
         self._ahead = None
         spread = sigma_mps**2, 0.0, sigma_mps**2
-        update(self._states, self._covariances, VELOCITY, velocity_mps, spread)
+        _update(self._states, self._covariances, VELOCITY, velocity_mps, spread)

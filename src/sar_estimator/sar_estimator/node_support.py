@@ -27,8 +27,8 @@ from sar_estimator.loopback import stay_on_machine
 
 PATIENCE_S = 8.0
 ASK_AGAIN_S = 0.5
-REPORT_PERIOD_S = 1.0
-AFTER_A_FIX = 0.2  # of a second
+REPORT_TICK_S = 0.5
+SOON_S, LATE_S, AFTER_A_FIX_S = 0.7, 1.2, 0.2
 RELIABLE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 LATCHED = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
@@ -46,16 +46,16 @@ def now_s(node: Node) -> float:
     return float(node.get_clock().now().nanoseconds) * 1e-9
 
 
-def is_report_due(now_s: float, reported_s: float) -> bool:
+def is_report_due(time_s: float, reported_s: float) -> bool:
     """Whether to report again, if that is asked twice a second.
 
     Once a second and half-way between whole ones, where receivers give their fixes: what tells of a
     node does not delay what flies.
     """
-    since = (now_s - reported_s) / REPORT_PERIOD_S
-    if 0.0 <= since <= 0.7:
-        return False
-    return not 0.7 < since <= 1.2 or AFTER_A_FIX <= now_s % 1.0 < AFTER_A_FIX + 0.5
+    since_s = time_s - reported_s
+    if SOON_S < since_s <= LATE_S:
+        return AFTER_A_FIX_S <= time_s % 1.0 < AFTER_A_FIX_S + REPORT_TICK_S
+    return not 0.0 <= since_s <= LATE_S  # late, or the clock was set back
 
 
 def report_each_second(node: Node, report: Callable[[], None]) -> None:
@@ -69,7 +69,7 @@ def report_each_second(node: Node, report: Callable[[], None]) -> None:
             reported_s = now
             report()
 
-    node.create_timer(0.5 * REPORT_PERIOD_S, on_timer)
+    node.create_timer(REPORT_TICK_S, on_timer)
 
 
 def parameter(node: Node, name: str, default: Any) -> Any:

@@ -16,13 +16,7 @@ from rosbags.rosbag2 import WriterError
 
 from sar_estimator import topics
 from sar_estimator.messages import diagnostics
-from sar_estimator.node_support import (
-    RELIABLE,
-    now_s,
-    parameter,
-    report_each_second,
-    run_node,
-)
+from sar_estimator.node_support import RELIABLE, now_s, parameter, report_each_second, run_node
 from sar_sim.bag import BagWriter, known_type
 from sar_sim.message_types import get_message
 
