@@ -54,7 +54,7 @@ STEPS_PER_TRUTH = 2
 SPIN_PERIOD_S = 0.02
 LONGEST_WAIT_S = 0.02
 ENGAGE_PERIOD_S = 0.5
-SETTLE_S = 2.0
+SETTLE_S = 3.5  # longer than DDS takes to repeat what was lost in discovery, 3 s
 FLYING_MPS = 5.0
 
 
