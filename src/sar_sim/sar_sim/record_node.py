@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import sys
 from functools import partial
 from pathlib import Path
@@ -19,6 +20,7 @@ from sar_estimator.node_support import RELIABLE, now_s, parameter, report_each_s
 from sar_sim.bag import BagWriter, known_type
 from sar_sim.message_types import get_message
 
+YIELDING = 5  # of niceness: what flies comes first, and a thousand messages of a topic can wait
 DISCOVERY_PERIOD_S = 0.25
 FLUSH_PERIOD_S = 0.9
 
@@ -29,6 +31,7 @@ class RecordNode(Node):
     def __init__(self) -> None:
         """Open the bag."""
         super().__init__("record")
+        os.nice(YIELDING)
         folder = parameter(self, "bag", "")
         if not folder:
             raise ValueError("parameter bag: expected a folder that does not exist yet")
