@@ -14,7 +14,8 @@ from sar_estimator.states import Motion
 from sar_sim.autopilot import SimAutopilot
 from sar_sim.handover import load_list
 from sar_sim.presets import parameter_values
-from sar_sim.scenario import AUTOPILOTS, Uav
+from sar_sim.scenario import Uav
+from sar_sim.scenario_presets import AUTOPILOTS
 
 DATUM = Datum(37.8, -122.8)
 UAV = Uav(autopilot="arduplane", **AUTOPILOTS["arduplane"])

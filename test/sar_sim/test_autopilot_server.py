@@ -7,7 +7,8 @@ from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose
 from sar_sim.autopilot import FlightMode, SimAutopilot
 from sar_sim.autopilot_server import AutopilotServer
-from sar_sim.scenario import AUTOPILOTS, Uav
+from sar_sim.scenario import Uav
+from sar_sim.scenario_presets import AUTOPILOTS
 
 DATUM = Datum(37.8, -122.8)
 GROUND = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)

@@ -13,7 +13,8 @@ from sar_estimator.plane import Pose
 from sar_estimator.states import Motion
 from sar_sim.autopilot import FlightMode, SimAutopilot
 from sar_sim.guidance import L1Guidance, L1Parameters, Leg, PathFollower
-from sar_sim.scenario import AUTOPILOTS, Uav, Wind
+from sar_sim.scenario import Uav, Wind
+from sar_sim.scenario_presets import AUTOPILOTS
 
 DATUM = Datum(37.8, -122.8)
 ARDUPLANE = Uav(autopilot="arduplane", **AUTOPILOTS["arduplane"])

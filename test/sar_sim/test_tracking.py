@@ -10,7 +10,8 @@ import pytest
 from sar_bridge.mission_items import waypoint_items
 from sar_planner.geometry import FlightPath, Straight
 from sar_planner.waypoints import path_waypoints
-from sar_sim.scenario import AUTOPILOTS, Uav, Wind
+from sar_sim.scenario import Uav, Wind
+from sar_sim.scenario_presets import AUTOPILOTS
 from sar_sim.tracking import (
     CASES,
     DATUM,

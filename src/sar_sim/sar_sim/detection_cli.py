@@ -1,90 +1,92 @@
-"""``detection``: how soon a slow-down is seen, and how often one is seen that is not there."""
+"""``detection``: how soon a corner is seen, and how often one is seen that is not there."""
 
 from __future__ import annotations
 
 import argparse
-import math
 import sys
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
-from tqdm import tqdm
 
-from sar_estimator.estimator import HelicopterEstimator
-from sar_estimator.geodesy import Datum
-from sar_estimator.parameters import EstimatorParameters
-from sar_estimator.states import Phase
-from sar_sim.gps import SimulatedGps
-from sar_sim.helicopter import PatternHelicopter
-from sar_sim.scenario import Gps, Pattern, Pilot
+from sar_sim.detection import Watched, corner_flight, pilot_of, receiver_of, straight_flight
+from sar_sim.pool import Workers
+from sar_sim.scenario import Gps, Pilot
+from sar_sim.scenario_presets import RECEIVERS
 
-DATUM = Datum(37.8, -122.8)
-HOUR_S = 3600.0
+PILOT_KINDS = ("robot", "steady", "human", "rough", "rolled")
+RECEIVER_KINDS = (*(kind for kind in RECEIVERS if kind != "plain"), "modern-no-doppler")
 
 
-def first_detection_s(helicopter: PatternHelicopter, gps: Gps, until_s: float) -> float:
-    """Return when a deceleration is first detected [s], infinite when it is not."""
-    estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
-    for reception in SimulatedGps(helicopter, gps, DATUM).due(until_s):
-        velocity, time_s = reception.velocity, reception.fix.time_s
-        if velocity is not None:
-            estimator.add_velocity(time_s, velocity.vx_mps, velocity.vy_mps, velocity.sigma_mps)
-        estimator.add_fix(reception.fix)
-        if estimator.phase(time_s) is Phase.DECELERATING:
-            return time_s
-    return math.inf
+@dataclass(frozen=True)
+class Settings:
+    """What one row of the table is of."""
+
+    pilot: str
+    receiver: str
+    rate_hz: float
+    speed_mps: float
+    accel_mps2: float
+
+    def drawn(self, seed: int) -> tuple[Pilot, Gps]:
+        """Return pilot and receiver of a seed."""
+        kind, without, _ = self.receiver.partition("-no-doppler")
+        gps = receiver_of(kind, seed, doppler=not without)
+        return pilot_of(self.pilot, seed), replace(gps, rate_hz=self.rate_hz)
 
 
-def delay_s(gps: Gps, speed_mps: float, accel_mps2: float) -> float:
-    """Return the delay of one detection [s]; negative when it came before the onset."""
-    # The onset falls anywhere between two fixes.
-    leg = 1400.0 + speed_mps * np.random.default_rng(gps.seed + 10**6).random() / gps.rate_hz
-    pattern = Pattern(first_leg_m=leg, last_leg_m=500.0, corners=1)
-    helicopter = PatternHelicopter(pattern, Pilot(), speed_mps, accel_mps2)
-    onset_s = helicopter.corners[0].onset_time_s
-    return first_detection_s(helicopter, gps, onset_s + 20.0) - onset_s
+def _corners(settings: Settings, seed: int) -> Watched:
+    pilot, gps = settings.drawn(seed)
+    return corner_flight(pilot, gps, speed_mps=settings.speed_mps, accel_mps2=settings.accel_mps2)
+
+
+def _hour(settings: Settings, hours: float, seed: int) -> Watched:
+    pilot, gps = settings.drawn(10**5 + seed)
+    return straight_flight(pilot, gps, hours, speed_mps=settings.speed_mps)
+
+
+def row(settings: Settings, squares: list[Watched], hours: list[Watched]) -> str:
+    """Return one row of the table."""
+    delays = np.array([delay for flight in squares for delay in flight.delays_s])
+    seen = delays[np.isfinite(delays)]
+    flown_h = sum(flight.flown_s for flight in hours) / 3600.0
+    median, late = np.percentile(seen, (50, 95)) if seen.size else (np.nan, np.nan)
+    return (
+        f"{settings.pilot:8s}{settings.receiver:19s}{delays.size:8d}{median:9.2f}{late:7.2f}"
+        f"{delays.size - seen.size:9d}{sum(flight.withdrawn for flight in squares):11d}"
+        f"{sum(flight.alarms for flight in squares):8d}"
+        f"{sum(flight.alarms for flight in hours):8d}/{flown_h:.0f} h"
+        f"{sum(flight.unled_s for flight in (*squares, *hours)):9.0f}"
+    )
+
+
+HEADER = (
+    f"{'pilot':8s}{'receiver':19s}{'corners':>8s}{'median':>9s}{'95 %':>7s}{'not seen':>9s}"
+    f"{'withdrawn':>11s}{'false':>8s}{'straight':>13s}{'unled s':>9s}"
+)
 
 
 def main(argv: list[str] | None = None) -> int:
     """Run the study and print its table."""
     parser = argparse.ArgumentParser(prog="detection", description=__doc__)
-    parser.add_argument("--seeds", type=int, default=300, help="corners flown")
-    parser.add_argument("--hours", type=float, default=1.0, help="of straight flight, h")
-    parser.add_argument("--sigma", type=float, default=3.0, help="of the fixes, m")
+    parser.add_argument("--squares", type=int, default=25, help="of eight corners, flown")
+    parser.add_argument("--hours", type=int, default=20, help="of straight flight, h")
+    parser.add_argument("--pilots", nargs="+", choices=PILOT_KINDS, default=PILOT_KINDS)
+    parser.add_argument("--receivers", nargs="+", choices=RECEIVER_KINDS, default=RECEIVER_KINDS)
     parser.add_argument("--rate", type=float, default=1.0, help="of the fixes, Hz")
-    parser.add_argument(
-        "--doppler", type=float, default=0.0, help="sigma of velocity, m/s; 0: none"
-    )
     parser.add_argument("--speed", type=float, default=20.0, help="V, m/s")
     parser.add_argument("--accel", type=float, default=2.5, help="a, m/s^2")
+    parser.add_argument("--jobs", type=int, help="processes")
     args = parser.parse_args(argv)
-    quiet = not sys.stderr.isatty()
-
-    def receiver(seed: int) -> Gps:
-        return Gps(args.rate, args.sigma, 0.0, args.doppler, seed)
-
-    delays = np.array(
-        [
-            delay_s(receiver(seed), args.speed, args.accel)
-            for seed in tqdm(range(args.seeds), unit="corner", disable=quiet, leave=False)
-        ]
-    )
-    alarms = 0
-    hours = math.ceil(args.hours)
-    for hour in tqdm(range(hours), unit="h", disable=quiet, leave=False):
-        length = args.speed * HOUR_S + 5000.0
-        straight = PatternHelicopter(
-            Pattern(first_leg_m=length, corners=1), Pilot(), args.speed, args.accel
-        )
-        duration = HOUR_S * min(1.0, args.hours - hour)
-        alarms += math.isfinite(first_detection_s(straight, receiver(10**5 + hour), duration))
-    seen = delays[np.isfinite(delays)]
-    sys.stdout.write(
-        f"{args.seeds} slow-downs of {args.accel} m/s^2 at {args.rate} Hz, sigma {args.sigma} m, "
-        f"Doppler {args.doppler or 'none'}: median {np.median(seen):.2f} s, "
-        f"p95 {np.percentile(seen, 95):.2f} s, "
-        f"not seen {args.seeds - seen.size}, too early {(seen < 0.0).sum()}\n"
-        f"{args.hours} h of straight flight: {alarms} false alarms\n"
-    )
+    sys.stdout.write(f"{HEADER}\n")
+    with Workers(args.jobs) as workers:
+        for pilot in args.pilots:
+            for receiver in args.receivers:
+                settings = Settings(pilot, receiver, args.rate, args.speed, args.accel)
+                squares = workers.map(partial(_corners, settings), range(args.squares))
+                hours = workers.map(partial(_hour, settings, 1.0), range(args.hours))
+                sys.stdout.write(f"{row(settings, list(squares), list(hours))}\n")
+                sys.stdout.flush()
     return 0
 
 

@@ -20,9 +20,10 @@ from sar_estimator.parameters import EstimatorParameters
 from sar_estimator.plane import Pose
 from sar_estimator.states import FloatArray, Motion
 from sar_sim.handover import load_list, tell_monitor
-from sar_sim.helicopter import PatternHelicopter
+from sar_sim.helicopter import Helicopter
 from sar_sim.offline import STEPS_PER_GUARD, STEPS_PER_TICK, make_monitor
-from sar_sim.scenario import AUTOPILOTS, Gps, Pattern, Pilot, Scenario, Uav, Wind
+from sar_sim.scenario import Gps, Pattern, Pilot, Scenario, Uav, Wind
+from sar_sim.scenario_presets import AUTOPILOTS
 from sar_sim.world import World
 
 KINDS = ("wrong side", "wrong corner", "stale", "crossing")
@@ -97,7 +98,7 @@ class BadPlanner:
     """Leads the UAV beside its slot until ``begins_s``, then in one of the bad ways."""
 
     def __init__(
-        self, kind: str, scenario: Scenario, helicopter: PatternHelicopter, begins_s: float
+        self, kind: str, scenario: Scenario, helicopter: Helicopter, begins_s: float
     ) -> None:
         """Know what will happen, to make the worst of it."""
         self.kind, self.begins_s = kind, begins_s

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass
 from typing import Protocol
@@ -10,8 +11,8 @@ import numpy as np
 
 from sar_estimator.fixes import Fix
 from sar_estimator.geodesy import Datum
-from sar_estimator.states import Motion
-from sar_sim.helicopter import PatternHelicopter
+from sar_estimator.states import FloatArray, Motion
+from sar_sim.helicopter import Helicopter
 from sar_sim.scenario import Gps
 
 BLOCK = 64
@@ -53,12 +54,17 @@ class NoReceiver:
 class SimulatedGps:
     """A receiver in a simulated helicopter."""
 
-    def __init__(self, helicopter: PatternHelicopter, gps: Gps, datum: Datum) -> None:
+    def __init__(self, helicopter: Helicopter, gps: Gps, datum: Datum) -> None:
         """Draw all noise from the receiver's own seed."""
         self._helicopter, self._gps, self._datum = helicopter, gps, datum
         self._rng = np.random.default_rng(gps.seed)
-        self._covariance = np.eye(2) * max(gps.sigma_m, 0.1) ** 2
+        self._drift = np.random.default_rng([gps.seed, 5])
+        self._covariance = np.eye(2) * gps.told_sigma_m**2
         self._epoch = 1
+        self._wandering = self._drift.standard_normal((2, 2)) * [
+            [gps.bias_sigma_m],
+            [gps.correlated_sigma_m],
+        ]
         self._block = self._draw()
 
     def due(self, time_s: float) -> list[Reception]:
@@ -81,15 +87,43 @@ class SimulatedGps:
         for i in range(BLOCK):
             noise[i] = self._rng.standard_normal(4)
             lost[i] = self._rng.random() < gps.dropout
-        truth = [self._helicopter.motion(at) for at in times]
+        truth = [self._measured(at) for at in times]
         points = np.array([(motion.x_m, motion.y_m) for motion in truth])
-        places = self._datum.all_to_geodetic(points + gps.sigma_m * noise[:, :2]).tolist()
+        points += gps.sigma_m * noise[:, :2] + self._errors()
+        places = self._datum.all_to_geodetic(points).tolist()
         return deque(
             None if gone else self._reception(at, place, motion, off)
             for at, place, motion, off, gone in zip(
                 times, places, truth, noise[:, 2:].tolist(), lost.tolist(), strict=True
             )
         )
+
+    def _measured(self, at: float) -> Motion:
+        """Return the motion that is given out at a time: that of a little before."""
+        gps = self._gps
+        late_s = gps.latency_s
+        if gps.latency_per_mps_s > 0.0:
+            late_s += gps.latency_per_mps_s * self._helicopter.motion(at).speed_mps
+        return self._helicopter.motion(max(0.0, at - late_s))
+
+    def _errors(self) -> FloatArray:
+        """Return the errors of the next epochs that wander, shape (BLOCK, 2) [m]."""
+        gps = self._gps
+        out = np.zeros((BLOCK, 2))
+        for kind, (sigma, time_s) in enumerate(
+            (
+                (gps.bias_sigma_m, gps.bias_time_s),
+                (gps.correlated_sigma_m, gps.correlated_time_s),
+            )
+        ):
+            if sigma == 0.0:
+                continue
+            kept = math.exp(-1.0 / (gps.rate_hz * time_s))
+            fresh = sigma * math.sqrt(1.0 - kept**2) * self._drift.standard_normal((BLOCK, 2))
+            for i in range(BLOCK):
+                self._wandering[kind] = kept * self._wandering[kind] + fresh[i]
+                out[i] += self._wandering[kind]
+        return out
 
     def _reception(
         self, at: float, place: list[float], truth: Motion, off: list[float]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import bisect
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from sar_sim.scenario import Pattern, Pilot
 
 BROKEN_OFF_FACTOR = 1.6
 BROKEN_OFF_S = 120.0
+BROKEN_OFF_RAD = 2.6
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +67,33 @@ def leg_lengths_m(pattern: Pattern) -> list[float]:
         pattern.first_leg_m + (i // 2) * pattern.track_spacing_m for i in range(pattern.corners)
     ]
     return [*legs, pattern.last_leg_m]
+
+
+class Helicopter(Protocol):
+    """A simulated helicopter; time counts from its start."""
+
+    @property
+    def start(self) -> Pose:
+        """Where it begins."""
+        ...
+
+    @property
+    def corners(self) -> list[CornerTruth]:
+        """The corners as flown."""
+        ...
+
+    @property
+    def end_s(self) -> float:
+        """When its flight is over [s]."""
+        ...
+
+    def motion(self, time_s: float) -> Motion:
+        """Return the true motion at a time [s]."""
+        ...
+
+    def heading_rad(self, time_s: float) -> float:
+        """Return the heading at a time [rad]."""
+        ...
 
 
 class PatternHelicopter:
@@ -121,7 +150,7 @@ class PatternHelicopter:
             self._add(0.0, 0.0, hover)
             side = -pattern.turn_side if odd == "other_way" else pattern.turn_side
             if odd == "break_off":
-                self._end = Pose(stop.x_m, stop.y_m, stop.heading_rad - 2.6 * side)
+                self._end = Pose(stop.x_m, stop.y_m, stop.heading_rad - BROKEN_OFF_RAD * side)
                 self._add(0.0, accel, BROKEN_OFF_FACTOR * speed / accel)
                 self._add(BROKEN_OFF_FACTOR * speed, 0.0, BROKEN_OFF_S)
                 break

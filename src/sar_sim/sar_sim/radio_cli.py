@@ -19,7 +19,8 @@ from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose
 from sar_sim.autopilot import SimAutopilot
 from sar_sim.autopilot_server import AutopilotServer
-from sar_sim.scenario import AUTOPILOTS, Uav
+from sar_sim.scenario import Uav
+from sar_sim.scenario_presets import AUTOPILOTS
 
 DATUM = Datum(37.8, -122.8)
 STEP_S = 0.005

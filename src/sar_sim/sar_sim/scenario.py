@@ -12,6 +12,7 @@ import yaml
 from sar_estimator.geodesy import Datum
 from sar_estimator.plane import blown_mps
 from sar_planner.parameters import CornerParameters
+from sar_sim.scenario_presets import AUTOPILOTS, HUMAN, PILOTS, RECEIVERS
 
 # The nodes that lead the UAV: they can fail, and are started again.
 NODES = ("estimator", "planner", "monitor", "bridge")
@@ -26,21 +27,6 @@ FAULTS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(NODES, ("off", "stuck")),
 }
 ODD_ACTIONS = ("other_way", "go_on", "break_off")
-# What a preset of the autopilot changes of the defaults.
-AUTOPILOTS: dict[str, dict[str, float]] = {
-    "ideal": {},
-    "arduplane": {"roll_lag_s": 0.35, "speed_lag_s": 3.5, "item_s": 0.02},
-    # Turns with R = 163 m and leaves its legs for one of 30 m: its turn rate is overestimated.
-    "piccolo2005": {
-        "roll_lag_s": 1.0,
-        "speed_lag_s": 3.5,
-        "roll_limit_deg": 14.0,
-        "believed_radius_m": 30.0,
-        "l1_period_s": 20.0,
-        "turn_share": 1.0,
-    },
-}
-
 
 class ScenarioError(ValueError):
     """A scenario that cannot be flown; the message names file, key, value and expectation."""
@@ -88,6 +74,20 @@ class Pilot:
     every corner and up to ``hover_spread_s`` more. At corner ``odd_corner`` (from 1, 0 for none) he
     does ``odd_action``: other_way (turns to the other side), go_on (has slowed to a third half-way
     down the leg before, and gone on), break_off (flies away from the pattern, faster, for good).
+
+    ``kind``: robot, steady, human or rough; in YAML it sets the defaults of the rest.
+
+    ``wander_along_mps``, ``wander_across_mps``: rms of the velocity with which he wanders about
+    his line and speed, each a second-order Gauss-Markov process of natural frequency
+    1 / ``wander_time_s`` and damping ``wander_damping`` (the line is regained as the offset dies
+    away). ``gust_mps2``: rms of a first-order disturbance of ``gust_time_s``.
+    ``heading_sigma_deg``: by which a leg's course is held wrong. ``buildup_s``: in which a
+    deceleration builds up, a third more or less; it stays between ``accel_low_mps2`` and
+    ``accel_high_mps2``, varies by the share ``accel_wobble`` (1.5 s), and is eased off below
+    ``flare_mps`` above the speed it ends at. ``yaw_rate_dps``: of turns on the spot, 0 for at once.
+    ``leave_early_deg``: of the turn is still to come when he speeds up. A share ``pass_share`` of
+    corners is passed at ``pass_mps``, without a stop; a share ``roll_share`` is rolled: turned
+    with ``bank_deg`` at ``roll_mps``, ``roll_spread_mps`` more or less.
     """
 
     speed_sigma_mps: float = 0.0
@@ -100,17 +100,62 @@ class Pilot:
     odd_corner: int = 0
     odd_action: str = "go_on"
     seed: int = 1
+    kind: str = "robot"
+    wander_along_mps: float = 0.0
+    wander_across_mps: float = 0.0
+    wander_time_s: float = 16.0
+    wander_damping: float = 0.7
+    gust_mps2: float = 0.0
+    gust_time_s: float = 3.0
+    heading_sigma_deg: float = 0.0
+    buildup_s: float = 0.0
+    accel_low_mps2: float = 1.2
+    accel_high_mps2: float = 3.5
+    accel_wobble: float = 0.0
+    flare_mps: float = 0.0
+    yaw_rate_dps: float = 0.0
+    leave_early_deg: float = 0.0
+    pass_share: float = 0.0
+    pass_mps: float = 4.0
+    roll_share: float = 0.0
+    roll_mps: float = 12.0
+    roll_spread_mps: float = 0.0
+    bank_deg: float = 20.0
+
+    @property
+    def is_human(self) -> bool:
+        """Whether he flies otherwise than in the paper's straight stretches."""
+        return any(getattr(self, name) > 0.0 for name in HUMAN)
 
 
 @dataclass(frozen=True, slots=True)
 class Gps:
-    """The receiver in the helicopter: white noise per axis, lost fixes, optional Doppler."""
+    """The receiver in the helicopter.
+
+    ``sigma_m``: of white noise per axis; ``bias_sigma_m``, ``correlated_sigma_m``: of errors that
+    wander, each a first-order Gauss-Markov process of ``bias_time_s``, ``correlated_time_s``.
+    ``doppler_sigma_mps``: of velocity per axis, 0 for a receiver that gives none. What is stamped t
+    is of ``latency_s`` + ``latency_per_mps_s`` x speed before t. ``dropout``: share of fixes lost.
+    ``receiver``: plain, white, modern or old; in YAML it sets the defaults of the rest.
+    """
 
     rate_hz: float = 1.0
     sigma_m: float = 0.0
     dropout: float = 0.0
     doppler_sigma_mps: float = 0.0
     seed: int = 1
+    receiver: str = "plain"
+    bias_sigma_m: float = 0.0
+    bias_time_s: float = 60.0
+    correlated_sigma_m: float = 0.0
+    correlated_time_s: float = 5.0
+    latency_s: float = 0.0
+    latency_per_mps_s: float = 0.0
+
+    @property
+    def told_sigma_m(self) -> float:
+        """The standard deviation per axis that the receiver gives of itself [m]."""
+        return max(0.1, math.hypot(self.sigma_m, self.bias_sigma_m, self.correlated_sigma_m))
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,6 +298,35 @@ class Scenario:
             f"one of {', '.join(ODD_ACTIONS)}",
             ok=self.pilot.odd_action in ODD_ACTIONS,
         )
+        _expect(
+            "pilot.kind",
+            self.pilot.kind,
+            f"one of {', '.join(PILOTS)}",
+            ok=self.pilot.kind in PILOTS,
+        )
+        _expect(
+            "gps.receiver",
+            self.gps.receiver,
+            f"one of {', '.join(RECEIVERS)}",
+            ok=self.gps.receiver in RECEIVERS,
+        )
+        _expect(
+            "pilot.roll_mps",
+            self.pilot.roll_mps,
+            "more than pilot.roll_spread_mps, with that less than corner.speed_mps",
+            ok=self.pilot.roll_spread_mps
+            < self.pilot.roll_mps
+            < self.corner.speed_mps - self.pilot.roll_spread_mps,
+        )
+        _expect(
+            "pilot.bank_deg",
+            self.pilot.bank_deg,
+            "between 0 and 60",
+            ok=0.0 < self.pilot.bank_deg < 60.0,
+        )
+        for name in ("pass_share", "roll_share"):
+            value = getattr(self.pilot, name)
+            _expect(f"pilot.{name}", value, "0 to 1", ok=0.0 <= value <= 1.0)
         _expect("pattern.corners", self.pattern.corners, "1 or more", ok=self.pattern.corners >= 1)
         _expect("gps.rate_hz", self.gps.rate_hz, "0.5 to 10", ok=0.5 <= self.gps.rate_hz <= 10.0)
         _expect(
@@ -307,6 +381,12 @@ class Scenario:
             ("uav", "wp_radius_m"),
             ("uav", "turn_share"),
             ("wind", "gust_time_s"),
+            ("pilot", "wander_time_s"),
+            ("pilot", "wander_damping"),
+            ("pilot", "gust_time_s"),
+            ("pilot", "accel_low_mps2"),
+            ("gps", "bias_time_s"),
+            ("gps", "correlated_time_s"),
         ):
             value = getattr(getattr(self, group), name)
             _expect(f"{group}.{name}", value, "more than 0", ok=value > 0.0)
@@ -319,6 +399,21 @@ class Scenario:
             ("pilot", "turn_spread_deg"),
             ("pilot", "speed_drift_mps"),
             ("pilot", "odd_corner"),
+            ("pilot", "wander_along_mps"),
+            ("pilot", "wander_across_mps"),
+            ("pilot", "gust_mps2"),
+            ("pilot", "heading_sigma_deg"),
+            ("pilot", "buildup_s"),
+            ("pilot", "accel_wobble"),
+            ("pilot", "flare_mps"),
+            ("pilot", "yaw_rate_dps"),
+            ("pilot", "leave_early_deg"),
+            ("pilot", "pass_mps"),
+            ("pilot", "roll_spread_mps"),
+            ("gps", "bias_sigma_m"),
+            ("gps", "correlated_sigma_m"),
+            ("gps", "latency_s"),
+            ("gps", "latency_per_mps_s"),
             ("gps", "sigma_m"),
             ("gps", "doppler_sigma_mps"),
             ("uav", "roll_lag_s"),
@@ -333,6 +428,14 @@ class Scenario:
             value = getattr(getattr(self, group), name)
             _expect(f"{group}.{name}", value, "0 or more", ok=value >= 0.0)
         _expect("arc_spacing_m", self.arc_spacing_m, "0 or more", ok=self.arc_spacing_m >= 0.0)
+
+
+# Which key of a part names what sets the defaults of its others.
+PRESETS: dict[type, tuple[str, dict[str, dict[str, float]]]] = {
+    Uav: ("autopilot", AUTOPILOTS),
+    Pilot: ("kind", PILOTS),
+    Gps: ("receiver", RECEIVERS),
+}
 
 
 def _expect(key: str, value: object, expected: str, *, ok: bool) -> None:
@@ -377,8 +480,9 @@ def _build(kind: Any, value: object, prefix: str) -> Any:
         absent = item.name not in given
         if absent and item.default is MISSING and item.default_factory is MISSING:
             raise ScenarioError(f"{prefix}.{item.name}: missing")
-    if kind is Uav:
-        given = {**AUTOPILOTS.get(given.get("autopilot", ""), {}), **given}
+    if kind in PRESETS:
+        key, presets = PRESETS[kind]
+        given = {**presets.get(given.get(key, ""), {}), **given}
     try:
         return kind(**given)
     except ScenarioError as error:

@@ -7,7 +7,8 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from sar_sim.scenario import AUTOPILOTS, Uav, Wind
+from sar_sim.scenario import Uav, Wind
+from sar_sim.scenario_presets import AUTOPILOTS
 from sar_sim.tracking import (
     CASES,
     RecordingError,

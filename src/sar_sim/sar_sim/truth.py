@@ -9,7 +9,7 @@ import numpy as np
 from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose
 from sar_estimator.states import CornerEstimate, LegEstimate, MotionEstimate, Phase
-from sar_sim.helicopter import CornerTruth, PatternHelicopter
+from sar_sim.helicopter import CornerTruth, Helicopter
 
 
 def corner_estimate(truth: CornerTruth) -> CornerEstimate:
@@ -29,7 +29,7 @@ def corner_estimate(truth: CornerTruth) -> CornerEstimate:
 class TrueEstimates:
     """Knows everything at once; set ``time_s`` before use."""
 
-    def __init__(self, helicopter: PatternHelicopter, datum: Datum) -> None:
+    def __init__(self, helicopter: Helicopter, datum: Datum) -> None:
         """Know every corner of the flight, and tell of each when it begins."""
         self._helicopter = helicopter
         self._corners = [corner_estimate(corner) for corner in helicopter.corners]

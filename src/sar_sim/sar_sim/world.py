@@ -17,7 +17,8 @@ from sar_estimator.plane import Pose
 from sar_sim.autopilot import SimAutopilot
 from sar_sim.faults import FaultyReceiver, clock_error_s
 from sar_sim.gps import FixSource, NoReceiver, Reception, RecordedTrack, SimulatedGps
-from sar_sim.helicopter import CornerTruth, PatternHelicopter
+from sar_sim.helicopter import CornerTruth, Helicopter
+from sar_sim.human_helicopter import flown_by
 from sar_sim.scenario import Scenario
 from sar_sim.wind import Gusts
 
@@ -44,7 +45,7 @@ class World:
         """
         self.scenario = scenario
         self.datum = scenario.datum
-        self.helicopter: PatternHelicopter | None = None
+        self.helicopter: Helicopter | None = None
         self.epoch_s = 0.0
         self.source: FixSource
         if live is not None:
@@ -52,8 +53,8 @@ class World:
             self.source, self.end_s = NoReceiver(), math.inf
         elif track is None:
             corner = scenario.corner
-            self.helicopter = PatternHelicopter(
-                scenario.pattern, scenario.pilot, corner.speed_mps, corner.accel_mps2
+            self.helicopter = flown_by(
+                scenario.pilot, scenario.pattern, corner.speed_mps, corner.accel_mps2
             )
             self.end_s = self.helicopter.end_s
             self.source = SimulatedGps(self.helicopter, scenario.gps, self.datum)
