@@ -1,10 +1,14 @@
-"""Detection of a deceleration, its onset and strength, and the stop it leads to.
+"""Whether a corner has begun: slow-down, rolled turn, change of speed or course, and wander.
 
-Along a leg the helicopter flies u(t) = u0 + V t; from an unknown onset tau it slows with an unknown
-constant a until it stands. A grid over (tau, a) is compared with "no deceleration" by the exact
-Gaussian likelihood ratio with u0 and V profiled out (generalised likelihood ratio; Basseville &
-Nikiforov 1993, chapter 4), weighted with a prior on a learnt from earlier corners. The same grid
-gives the detection statistic and, afterwards, the posterior of the stop point and time.
+They are weighed against each other in one place. Along a leg the helicopter goes on as its
+``LegProcess`` says; from an unknown onset tau on something is added to that: a deceleration a until
+it stands, an acceleration across (a turn that is rolled), or a small acceleration for good (a
+change of speed or course). Each is a *signature* in the measurements; what the leg's Kalman filter
+leaves of it, against what it leaves of the measurements, gives the exact likelihood ratio with all
+that is not known of the leg integrated out (Willsky & Jones 1976, "A generalized likelihood ratio
+approach to the detection and estimation of jumps in linear systems"). They are averaged over grids
+of onsets and strengths with their priors, which gives Bayes factors; and, of a slow-down, the
+posterior of the stop point and time.
 """
 
 from __future__ import annotations
@@ -12,35 +16,35 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sar_estimator.compiled import compiled
-from sar_estimator.constant_velocity import constant_velocity
+from sar_estimator.leg_process import (
+    IS_VELOCITY,
+    TIME,
+    Belief,
+    predict,
+    update,
+    wander_transition,
+)
 from sar_estimator.states import FloatArray
 
 ONSET_STEP_S = 0.25
-ACCEL_STEPS = 13
+ACCEL_STEPS = 9
 ACCEL_SIGMAS = 2.2
 FINE_STEPS = 17
 MIN_TIME_SIGMA_S = 0.05
+FINE_S, COARSE_STEP_S = 4.0, 0.5
 NEGLIGIBLE_LOG = -45.0  # less than a double's rounding, 10,000 times over
-TIME, SIGMA, IS_SPEED, LEFT, Q0, Q1 = range(6)
-
-
-@dataclass(frozen=True, slots=True)
-class TrackRows:
-    """Measurements projected on a leg, in order of time, each array of shape (n,).
-
-    ``values``: along-track positions [m], or speeds [m/s] where ``is_speed``; ``sigmas``: their
-    standard deviations.
-    """
-
-    times_s: FloatArray
-    values: FloatArray
-    sigmas: FloatArray
-    is_speed: NDArray[np.bool_]
+TURN_ACCELS_MPS2 = np.array([2.0, 2.8, 4.0])
+CHANGE_ACCELS_MPS2 = np.array([0.3, 0.7])
+LOG_CHANGE = math.log(0.004)  # how often a small change is under way, over nothing
+# What ``filtered`` keeps of every row: its time, whether a velocity, the time since the row before,
+# the wander's transition, the gain, the innovations' variance, and both innovations.
+SEEN, KIND, STEP, TURN, GAIN, VARIANCE, ALONG, ACROSS = 0, 1, 2, 3, 7, 11, 12, 13
+COLUMNS = 14
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +70,23 @@ class AccelPrior:
     def log_density(self, log_accels: FloatArray) -> FloatArray:
         """Return the unnormalised log density at log accelerations, the same shape."""
         return np.asarray(-0.5 * ((log_accels - math.log(self._median)) / self.spread) ** 2)
+
+
+class Watch(NamedTuple):
+    """What the newest rows say of a leg.
+
+    ``slowing``, ``turning``: log Bayes factors of a slow-down and of a rolled turn, against all
+    else that is no corner. ``turn_mps2``: the turn's acceleration across, left positive.
+    ``misfit``: how badly the leg alone foretells the rows, in standard deviations. ``means``,
+    ``covariance``: the leg's belief at the last row, as if no corner had begun.
+    """
+
+    slowing: float
+    turning: float
+    turn_mps2: float
+    misfit: float
+    means: FloatArray
+    covariance: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,30 +122,41 @@ def deviation(
 
 
 @compiled(
-    "Tuple((float64[:, ::1], UniTuple(float64, 3), float64[::1]))"
-    "(float64[::1], float64[::1], float64[::1], boolean[::1])"
+    "Tuple((float64[:, ::1], float64[:, ::1], float64[:, ::1]))(float64[:, ::1], float64,"
+    " float64[:, ::1], float64[:, ::1], float64, float64, float64)"
 )
-def _no_slowing(
-    times_s: FloatArray, values: FloatArray, sigmas: FloatArray, is_speed: NDArray[np.bool_]
-) -> tuple[FloatArray, tuple[float, float, float], FloatArray]:
-    """Fit constant speed.
+def filtered(
+    rows: FloatArray,
+    time_s: float,
+    means: FloatArray,
+    covariance: FloatArray,
+    size_mps: float,
+    scale: float,
+    heading_rad: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Run a leg's filter over rows, shape (n, 5), from a belief at ``time_s``.
 
-    Returns the measurements, shape (n, 6): time, sigma, whether a speed, what the fit leaves of it
-    [sigmas], and its row of Q; the inverse of R (``constant_velocity``); the fit as Q has it.
+    Returns what is kept of every row, shape (n, ``COLUMNS``), innovations along and across a
+    heading; and the belief at the last row.
     """
-    q, inverse = constant_velocity(times_s, is_speed, sigmas)
-    fit, seen = np.zeros(2), np.empty((times_s.size, 6))
-    for i in range(times_s.size):
-        fit += q[i] * (values[i] / sigmas[i])
-    for i in range(times_s.size):
-        left = values[i] / sigmas[i] - q[i, 0] * fit[0] - q[i, 1] * fit[1]
-        seen[i, TIME], seen[i, SIGMA] = times_s[i], sigmas[i]
-        seen[i, IS_SPEED], seen[i, LEFT] = is_speed[i], left
-        seen[i, Q0], seen[i, Q1] = q[i]
-    return seen, inverse, fit
+    means, covariance = means.copy(), covariance.copy()
+    out = np.empty((rows.shape[0], COLUMNS))
+    c, s = math.cos(heading_rad), math.sin(heading_rad)
+    for i in range(rows.shape[0]):
+        dt = max(0.0, rows[i, TIME] - time_s)
+        turn = wander_transition(dt)
+        predict(means, covariance, dt, turn, size_mps)
+        x, y, variance, gains = update(means, covariance, rows[i], scale)
+        out[i, SEEN], out[i, KIND], out[i, STEP] = rows[i, TIME], rows[i, IS_VELOCITY], dt
+        for k in range(4):
+            out[i, TURN + k], out[i, GAIN + k] = turn[k], gains[k]
+        out[i, VARIANCE] = variance
+        out[i, ALONG], out[i, ACROSS] = x * c + y * s, y * c - x * s
+        time_s = max(time_s, rows[i, TIME])
+    return out, means, covariance
 
 
-@compiled("UniTuple(float64, 4)(float64[:, ::1], int64, float64, float64, float64, float64)")
+@compiled("UniTuple(float64, 7)(float64[:, ::1], int64, float64, float64, float64, float64)")
 def _projected(
     seen: FloatArray,
     first: int,
@@ -132,124 +164,260 @@ def _projected(
     accel_mps2: float,
     speed_mps: float,
     stopping_s: float,
-) -> tuple[float, float, float, float]:
-    """Return a slow-down's shape times what is left, times itself, and times the columns of Q.
+) -> tuple[float, float, float, float, float, float, float]:
+    """Return what the filter leaves of a slow-down's signature, times what it leaves of the rows.
 
-    ``first``: the first measurement after the onset; before it nothing deviates.
+    Along, across, and times itself; and what of the signature the filter took for the leg's own: p,
+    v, w, u. ``first``: the first row after the onset.
     """
-    on_left = square = taken0 = taken1 = 0.0
+    p = v = w = u = along = across = square = 0.0
     for i in range(first, seen.shape[0]):
-        since, is_speed = seen[i, TIME] - onset_s, seen[i, IS_SPEED] > 0.0
-        shape = deviation(since, is_speed, accel_mps2, speed_mps, stopping_s) / seen[i, SIGMA]
-        on_left += shape * seen[i, LEFT]
-        square += shape * shape
-        taken0 += shape * seen[i, Q0]
-        taken1 += shape * seen[i, Q1]
-    return on_left, square, taken0, taken1
+        row = seen[i]
+        p += row[STEP] * v
+        w, u = row[TURN] * w + row[TURN + 1] * u, row[TURN + 2] * w + row[TURN + 3] * u
+        is_speed = row[KIND] > 0.0
+        left = deviation(row[SEEN] - onset_s, is_speed, accel_mps2, speed_mps, stopping_s)
+        left -= v + u if is_speed else p + w
+        weighed = left / row[VARIANCE]
+        along += weighed * row[ALONG]
+        across += weighed * row[ACROSS]
+        square += weighed * left
+        p, v = p + row[GAIN] * left, v + row[GAIN + 1] * left
+        w, u = w + row[GAIN + 2] * left, u + row[GAIN + 3] * left
+    return along, across, square, p, v, w, u
 
 
-@compiled("void(float64[:, ::1], float64, float64, float64[::1], float64[:, ::1])")
-def _weigh(
-    seen: FloatArray,
-    speed_mps: float,
-    onset_s: float,
-    accels_mps2: FloatArray,
-    out: FloatArray,
-) -> None:
-    """Write the log likelihood ratio of each deceleration from an onset to ``out``, shape (n, 3).
-
-    The others of a row are what the columns of Q take up of its shape. While it has not stopped,
-    that is its deceleration times one shape that is common to all.
-    """
-    first = int(np.searchsorted(seen[:, TIME], onset_s))
-    since_s = seen[-1, TIME] - onset_s
-    common = _projected(seen, first, onset_s, 1.0, speed_mps, math.inf)
-    for j in range(accels_mps2.size):
-        accel = accels_mps2[j]
-        stopping = speed_mps / accel
-        on_left, square = accel * common[0], accel * accel * common[1]
-        taken0, taken1 = accel * common[2], accel * common[3]
-        if since_s > stopping:
-            on_left, square, taken0, taken1 = _projected(
-                seen, first, onset_s, accel, speed_mps, stopping
-            )
-        # What the regression takes up of the shape is off its residual.
-        rest = square - taken0 * taken0 - taken1 * taken1
-        out[j, 0], out[j, 1], out[j, 2] = on_left - 0.5 * rest, taken0, taken1
+@compiled("int64(float64[:, ::1], float64)")
+def _first_after(seen: FloatArray, time_s: float) -> int:
+    """Return the number of the first row later than a time [s]."""
+    first = seen.shape[0]
+    while first > 0 and seen[first - 1, SEEN] > time_s:
+        first -= 1
+    return first
 
 
-@compiled(
-    "float64(float64[::1], float64[::1], float64[::1], boolean[::1], float64, float64[::1],"
-    " float64[::1], float64[::1])"
-)
-def log_bayes_factor(
-    times_s: FloatArray,
-    values: FloatArray,
-    sigmas: FloatArray,
-    is_speed: NDArray[np.bool_],
-    speed_mps: float,
-    onsets_s: FloatArray,
-    accels_mps2: FloatArray,
-    log_prior: FloatArray,
-) -> float:
-    """Return that of "slowing" against "not", over the grid of ``hypotheses``."""
-    seen, _, _ = _no_slowing(times_s, values, sigmas, is_speed)
-    logs, weighed = np.empty(onsets_s.size * accels_mps2.size), np.empty((accels_mps2.size, 3))
-    most, h = -math.inf, 0
-    for onset in onsets_s:
-        _weigh(seen, speed_mps, onset, accels_mps2, weighed)
-        for j in range(accels_mps2.size):
-            logs[h] = weighed[j, 0] + log_prior[j]
-            most = max(most, logs[h])
-            h += 1
-    total = 0.0
+@compiled("float64(float64[::1])")
+def _log_sum(logs: FloatArray) -> float:
+    """Return log(sum(exp(logs)))."""
+    most, total = logs.max(), 0.0
     for one in logs:
         if one - most > NEGLIGIBLE_LOG:
             total += math.exp(one - most)
     return most + math.log(total)
 
 
+@compiled("float64(float64)")
+def _or_nothing(log_change: float) -> float:
+    """Return the log likelihood ratio of a small change, as seldom as it is, or nothing."""
+    change = LOG_CHANGE + log_change
+    return max(0.0, change) + math.log1p(math.exp(-abs(change)))
+
+
 @compiled(
-    "float64[:, ::1](float64[::1], float64[::1], float64[::1], boolean[::1], float64,"
-    " float64[::1], float64[::1], float64[::1])"
+    "UniTuple(float64, 3)(float64[:, ::1], float64, float64[::1], float64[::1], float64[::1],"
+    " float64[::1], float64[::1], float64, float64)"
+)
+def _weighed(
+    seen: FloatArray,
+    speed_mps: float,
+    onsets_s: FloatArray,
+    accels_mps2: FloatArray,
+    log_weights: FloatArray,
+    turns_mps2: FloatArray,
+    changes_mps2: FloatArray,
+    excess_along: float,
+    excess_across: float,
+) -> tuple[float, float, float]:
+    """Return log Bayes factors of slowing and turning, and the turn's acceleration, left positive.
+
+    Slowing is held against the leg alone or a small change of speed, turning against the leg alone
+    or a small change of course: both can happen at once, and along and across are independent. ``excess_along``, ``excess_across``: by
+    how much the innovations' variances are larger than the filter has them.
+    """
+    count = onsets_s.size
+    slowing = np.empty((count, accels_mps2.size))
+    turning = np.empty((count, 2 * turns_mps2.size))
+    slower = np.empty((count, 2 * changes_mps2.size))
+    aside = np.empty((count, 2 * changes_mps2.size))
+    for i in range(count):
+        onset = onsets_s[i]
+        first = _first_after(seen, onset)
+        common = _projected(seen, first, onset, 1.0, speed_mps, math.inf)
+        along, across = common[0] / excess_along, common[1] / excess_across
+        square_along, square_across = common[2] / excess_along, common[2] / excess_across
+        since_s = seen[-1, SEEN] - onset
+        for j in range(accels_mps2.size):
+            a = accels_mps2[j]
+            fit = a * along - 0.5 * a * a * square_along
+            if since_s > speed_mps / a:
+                whole = _projected(seen, first, onset, a, speed_mps, speed_mps / a)
+                fit = (whole[0] - 0.5 * whole[2]) / excess_along
+            slowing[i, j] = fit + log_weights[j]
+        for j in range(turns_mps2.size):
+            # The signature is of falling behind: to the left is its negative.
+            a = turns_mps2[j]
+            turning[i, 2 * j] = -a * across - 0.5 * a * a * square_across
+            turning[i, 2 * j + 1] = a * across - 0.5 * a * a * square_across
+        for j in range(changes_mps2.size):
+            a = changes_mps2[j]
+            slower[i, 2 * j] = a * along - 0.5 * a * a * square_along
+            slower[i, 2 * j + 1] = -a * along - 0.5 * a * a * square_along
+            aside[i, 2 * j] = a * across - 0.5 * a * a * square_across
+            aside[i, 2 * j + 1] = -a * across - 0.5 * a * a * square_across
+    turn = total = 0.0
+    most = turning.max()
+    for i in range(count):
+        for j in range(turns_mps2.size):
+            for side in range(2):
+                if turning[i, 2 * j + side] - most > NEGLIGIBLE_LOG:
+                    weight = math.exp(turning[i, 2 * j + side] - most)
+                    turn += (1.0 - 2.0 * side) * weight * turns_mps2[j]
+                    total += weight
+    spread = math.log(count * 2.0 * changes_mps2.size)
+    return (
+        _log_sum(slowing.ravel())
+        - math.log(count)
+        - _or_nothing(_log_sum(slower.ravel()) - spread),
+        most
+        + math.log(total)
+        - math.log(count * 2.0 * turns_mps2.size)
+        - _or_nothing(_log_sum(aside.ravel()) - spread),
+        turn / total,
+    )
+
+
+@compiled(
+    "Tuple((UniTuple(float64, 4), float64[:, ::1], float64[:, ::1]))(float64[:, ::1], float64,"
+    " float64[:, ::1], float64[:, ::1], float64, float64, float64, float64, float64,"
+    " float64[::1], float64[::1], float64[::1], float64[::1], float64[::1])"
+)
+def _watched(
+    rows: FloatArray,
+    time_s: float,
+    means: FloatArray,
+    covariance: FloatArray,
+    size_mps: float,
+    scale: float,
+    excess_along: float,
+    excess_across: float,
+    heading_rad: float,
+    onsets_s: FloatArray,
+    accels_mps2: FloatArray,
+    log_weights: FloatArray,
+    turns_mps2: FloatArray,
+    changes_mps2: FloatArray,
+) -> tuple[tuple[float, float, float, float], FloatArray, FloatArray]:
+    """Return slowing, turning, the turn and the misfit, and the belief at the last row."""
+    seen, last, spread = filtered(rows, time_s, means, covariance, size_mps, scale, heading_rad)
+    speed = math.hypot(last[0, 1] + last[0, 3], last[1, 1] + last[1, 3])
+    slowing, turning, turn = _weighed(
+        seen,
+        max(speed, 1.0),
+        onsets_s,
+        accels_mps2,
+        log_weights,
+        turns_mps2,
+        changes_mps2,
+        excess_along,
+        excess_across,
+    )
+    chi_square, dof = 0.0, 2.0 * max(1, seen.shape[0])
+    for i in range(seen.shape[0]):
+        along = seen[i, ALONG] ** 2 / excess_along
+        chi_square += (along + seen[i, ACROSS] ** 2 / excess_across) / seen[i, VARIANCE]
+    # As standard deviations of a normal (Wilson & Hilferty 1931).
+    variance = 2.0 / (9.0 * dof)
+    misfit = (float(np.cbrt(chi_square / dof)) - 1.0 + variance) / math.sqrt(variance)
+    return (slowing, turning, turn, misfit), last, spread
+
+
+def onsets(from_s: float, until_s: float) -> FloatArray:
+    """Return the onsets that are weighed, shape (n,): close for the newest, then farther apart."""
+    near = np.arange(until_s, max(from_s, until_s - FINE_S) - 1e-9, -ONSET_STEP_S)
+    far = np.arange(until_s - FINE_S, from_s - 1e-9, -COARSE_STEP_S)[1:]
+    return np.concatenate((near, far))
+
+
+def watch(
+    rows: FloatArray,
+    belief: Belief,
+    heading_rad: float,
+    *,
+    onset_range_s: tuple[float, float],
+    accel_prior: AccelPrior,
+) -> Watch:
+    """Weigh the rows, shape (n, 5), that came after a belief of a leg.
+
+    ``onset_range_s``: when a corner may have begun; ``heading_rad``: of the leg.
+    """
+    figures, means, covariance = _watched(
+        rows,
+        *belief,
+        heading_rad,
+        onsets(*onset_range_s),
+        *decelerations(accel_prior),
+        TURN_ACCELS_MPS2,
+        CHANGE_ACCELS_MPS2,
+    )
+    return Watch(*figures, means, covariance)
+
+
+@compiled(
+    "float64[:, ::1](float64[:, ::1], float64[:, ::1], float64[:, ::1], float64, UniTuple(float64,"
+    " 2), float64[::1], float64[::1], float64[::1])"
 )
 def hypotheses(
-    times_s: FloatArray,
-    values: FloatArray,
-    sigmas: FloatArray,
-    is_speed: NDArray[np.bool_],
-    speed_mps: float,
+    seen: FloatArray,
+    means: FloatArray,
+    covariance: FloatArray,
+    heading_rad: float,
+    origin_m: tuple[float, float],
     onsets_s: FloatArray,
     accels_mps2: FloatArray,
     log_prior: FloatArray,
 ) -> FloatArray:
     """Weigh every onset, shape (m,), with every deceleration, shape (n,), whose log prior is given.
 
-    Returns a table, shape (8, m n): log weight, onset, log deceleration, deceleration, stop along
-    the leg, stop time, speed, variance of the stop.
+    ``seen``, ``means``, ``covariance``: of ``filtered``. Returns a table, shape (8, m n): log
+    weight, onset, log deceleration, deceleration, stop along the heading from ``origin_m``, stop
+    time, cruise speed, variance of the stop.
     """
-    seen, inverse, fit = _no_slowing(times_s, values, sigmas, is_speed)
-    inverse11, inverse12, inverse22 = inverse
-    c00 = inverse11 * inverse11 + inverse12 * inverse12
-    c01, c11 = inverse12 * inverse22, inverse22 * inverse22
+    c, s = math.cos(heading_rad), math.sin(heading_rad)
+    p0 = (means[0, 0] - origin_m[0]) * c + (means[1, 0] - origin_m[1]) * s
+    v0 = means[0, 1] * c + means[1, 1] * s
+    w0 = means[0, 2] * c + means[1, 2] * s
+    u0 = means[0, 3] * c + means[1, 3] * s
     table = np.empty((8, onsets_s.size * accels_mps2.size))
-    weighed = np.empty((accels_mps2.size, 3))
+    now_s = seen[-1, SEEN]
     h = 0
     for onset in onsets_s:
-        begun = onset - times_s[-1]
-        _weigh(seen, speed_mps, onset, accels_mps2, weighed)
+        first = _first_after(seen, onset)
+        common = _projected(seen, first, onset, 1.0, 1.0, math.inf)
         for j in range(accels_mps2.size):
-            accel = accels_mps2[j]
-            weight, taken0, taken1 = weighed[j]
-            speed = max(inverse22 * (fit[1] - taken1), 0.5)
-            place = inverse11 * (fit[0] - taken0) + inverse12 * (fit[1] - taken1)
-            slowing = speed / accel
-            slope = begun + slowing
-            table[0, h] = weight + log_prior[j]
-            table[1, h], table[2, h], table[3, h] = onset, math.log(accel), accel
-            table[4, h] = place + speed * begun + 0.5 * speed * slowing
-            table[5, h], table[6, h] = onset + slowing, speed
-            table[7, h] = c00 + 2.0 * slope * c01 + slope * slope * c11
+            a = accels_mps2[j]
+            along, square = a * common[0], a * a * common[2]
+            p, v = p0 - a * common[3], v0 - a * common[4]
+            w, u = w0 - a * common[5], u0 - a * common[6]
+            speed = max(v + u, 0.5)
+            stopping = speed / a
+            if now_s - onset > stopping:
+                along, _, square, dp, dv, dw, du = _projected(
+                    seen, first, onset, a, speed, stopping
+                )
+                p, v, w, u = p0 - dp, v0 - dv, w0 - dw, u0 - du
+                speed = max(v + u, 0.5)
+                stopping = speed / a
+            # The line is known for the last row; it goes on as it was at the onset.
+            begun = onset - now_s
+            slope = begun + stopping
+            table[0, h] = along - 0.5 * square + log_prior[j]
+            table[1, h], table[2, h], table[3, h] = onset, math.log(a), a
+            table[4, h] = p + w + (v + u) * begun + 0.5 * speed * stopping
+            table[5, h], table[6, h] = onset + stopping, max(v, 0.5)
+            place = covariance[0, 0] + 2.0 * covariance[0, 2] + covariance[2, 2]
+            both = covariance[0, 1] + covariance[0, 3] + covariance[2, 1] + covariance[2, 3]
+            rate = covariance[1, 1] + 2.0 * covariance[1, 3] + covariance[3, 3]
+            table[7, h] = max(0.0, place + 2.0 * slope * both + slope * slope * rate)
             h += 1
     return table
 
@@ -281,55 +449,49 @@ def decelerations(accel_prior: AccelPrior) -> tuple[FloatArray, FloatArray]:
     return accel_prior.grid()
 
 
-@compiled("UniTuple(float64[::1], 2)(UniTuple(float64, 2), float64[::1])")
-def first_grid(
-    onset_range_s: tuple[float, float], log_weights: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return every onset of a range, and the log prior of each deceleration with any of them."""
-    onsets = np.arange(onset_range_s[0], onset_range_s[1] + 1e-9, ONSET_STEP_S)
-    return onsets, log_weights - math.log(onsets.size)
-
-
 def stop_posterior(
-    rows: TrackRows,
+    rows: FloatArray,
+    belief: Belief,
+    heading_rad: float,
     *,
     onset_range_s: tuple[float, float],
-    speed_mps: float,
     accel_prior: AccelPrior,
+    origin_m: tuple[float, float],
     refinements: int = 0,
 ) -> StopPosterior:
     """Return the posterior over the grid of onsets in ``onset_range_s`` and decelerations.
 
-    ``refinements``: how often the grid is laid again, finer, about the posterior.
-
-    ``speed_mps`` is the leg's cruise speed, used for where the slowing ends; the speed that is
-    reported is profiled per hypothesis. ``log_bayes_factor`` is that of "slowing" against "not".
+    ``rows``, ``belief``: as for ``watch``. ``origin_m``: from where the stop is told along the
+    heading. ``refinements``: how often the grid is laid again, finer, about the posterior.
+    ``log_bayes_factor`` is that of "slowing" against the leg alone.
     """
     accels, log_weights = decelerations(accel_prior)
-    onsets, log_prior = first_grid(onset_range_s, log_weights)
-    measured = (rows.times_s, rows.values, rows.sigmas, rows.is_speed, speed_mps)
-    table = hypotheses(*measured, onsets, accels, log_prior)
-    means, variances = moments(table).tolist()
-    bayes = means[0]
+    grid = np.arange(onset_range_s[0], onset_range_s[1] + 1e-9, ONSET_STEP_S)
+    seen, means, covariance = filtered(rows, *belief[:-2], heading_rad)
+    seen[:, VARIANCE] *= belief.along
+    measured = (seen, means, covariance, heading_rad, origin_m)
+    table = hypotheses(*measured, grid, accels, log_weights - math.log(grid.size))
+    found, variances = moments(table).tolist()
+    bayes = found[0]
     onset_step, accel_step = ONSET_STEP_S, math.log(accels[1] / accels[0])
     offsets = np.linspace(-1.0, 1.0, FINE_STEPS) if refinements else np.empty(0)
     for _ in range(refinements):
         onset_reach = max(3.0 * math.sqrt(variances[1]), onset_step)
         accel_reach = max(3.0 * math.sqrt(variances[2]), accel_step)
-        onsets = np.clip(means[1] + onset_reach * offsets, *onset_range_s)
-        log_accels = means[2] + accel_reach * offsets
+        grid = np.clip(found[1] + onset_reach * offsets, *onset_range_s)
+        log_accels = found[2] + accel_reach * offsets
         log_prior = accel_prior.log_density(log_accels)
-        table = hypotheses(*measured, onsets, np.exp(log_accels), log_prior)
-        means, variances = moments(table).tolist()
+        table = hypotheses(*measured, grid, np.exp(log_accels), log_prior)
+        found, variances = moments(table).tolist()
         step = 2.0 / (FINE_STEPS - 1)
         onset_step, accel_step = onset_reach * step, accel_reach * step
     return StopPosterior(
         log_bayes_factor=bayes,
-        stop_along_m=means[4],
-        stop_along_sigma_m=math.sqrt(variances[4] + means[7]),
-        stop_time_s=means[5],
+        stop_along_m=found[4],
+        stop_along_sigma_m=math.sqrt(variances[4] + found[7]),
+        stop_time_s=found[5],
         stop_time_sigma_s=math.hypot(math.sqrt(variances[5]), MIN_TIME_SIGMA_S),
-        speed_mps=means[6],
-        accel_mps2=means[3],
+        speed_mps=found[6],
+        accel_mps2=found[3],
         accel_sigma_mps2=math.sqrt(variances[3]),
     )

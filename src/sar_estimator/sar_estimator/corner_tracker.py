@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 
-from sar_estimator.corner_detector import AccelPrior, StopPosterior, stop_posterior
-from sar_estimator.leg import LegFit, LegRow, LegTracker
-from sar_estimator.leg_watch import watch_leg
+from sar_estimator.corner_detector import AccelPrior, StopPosterior, Watch, stop_posterior, watch
+from sar_estimator.leg import LegRow, LegTracker, told_of
+from sar_estimator.leg_process import LegProcess
 from sar_estimator.parameters import EstimatorParameters
+from sar_estimator.plane import Pose, wrap_angle
 from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
 
 ONSET_REACH_S = 10.0
@@ -23,28 +24,41 @@ LEARNT_RANGE = 1.8
 STOP_CONFIRM_S = 2.0
 STOPPED_SHARE = 0.4
 MOVING_FIXES = 2
+YOUNG_S = 6.0
+KNOWN_SPEED_SIGMA_MPS = 0.8
+KNOWN_AFTER_S = 10.0
+MISFIT_LIMIT = 5.0
+NEWEST_S = 3.0
+STILL_ON_RAD = math.radians(15.0)
+STILL_ON_MPS = 4.0
+STRAIGHT_AGAIN_S = 4.0
+TURNING_RAD = math.radians(20.0)
+TURNED_RAD = math.radians(65.0)
+LEAST_STOP_M = 1.0
+RIGHT_ANGLE_RAD = 0.5 * math.pi
 
 
 class CornerTracker:
     """Follows cruise, decelerating, stopped, accelerating; predicts and refines the corner.
 
     ``phase``: the present phase (never ``LOST``: that is the fixes' matter). ``corner``: the
-    predicted stop while decelerating, and as it was last refined until the next cruise. ``leg``:
-    the leg being flown, None while there is none. ``withdrawn``: how many predicted corners were
-    taken back because the helicopter went on.
+    predicted stop while decelerating, and as it was last refined until the next cruise. A corner
+    that is rolled, turned without a stop, is told as the stop that would cost as much time where
+    its legs' lines cross. ``leg``: the leg being flown, None while there is none. ``withdrawn``:
+    how many predicted corners were taken back because the helicopter went on.
     """
 
     def __init__(self, parameters: EstimatorParameters) -> None:
         """Begin with nothing known."""
         self._p = parameters
-        self._tracker = LegTracker(parameters.leg_window_s)
+        self._tracker = LegTracker(LegProcess(parameters.wander_prior_mps))
         self._prior = AccelPrior(parameters.accel_prior_mps2, parameters.accel_prior_spread)
-        self._settled: LegFit | None = None
-        self._told: LegFit | None = None
-        self._leg: tuple[LegFit, LegEstimate] | None = None
+        self._heading_rad: float | None = None
         self._posterior: StopPosterior | None = None
         self._detected_s = -math.inf
+        self._turning_since_s: float | None = None
         self._moving_fixes = 0
+        self._begins = False
         self._still_since_s: float | None = None
         self._cruise_after_s = -math.inf
         self._cruise_speed_mps: float | None = None
@@ -56,104 +70,187 @@ class CornerTracker:
         }
         self.phase = Phase.ACCELERATING
         self.corner: CornerEstimate | None = None
+        self.leg: LegEstimate | None = None
         self.withdrawn = 0
-
-    @property
-    def leg(self) -> LegEstimate | None:
-        """The leg being flown."""
-        if self._told is None:
-            return None
-        if self._leg is None or self._leg[0] is not self._told:
-            self._leg = self._told, self._told.estimate()
-        return self._leg[1]
 
     @property
     def on_leg(self) -> bool:
         """Whether a leg is being flown and nothing else is foreseen."""
-        return self._told is not None and self.phase is Phase.CRUISE
+        return self.leg is not None and self.phase is Phase.CRUISE
 
     def restart(self) -> None:
         """Forget leg and corner; what was learnt of speed and deceleration stays."""
-        self._tracker.clear()
-        self.corner = self._told = self._settled = self._posterior = None
+        self.corner = self.leg = self._posterior = None
         self._still_since_s = None
         self._cruise_after_s = -math.inf
+        self._begins = False
         self.phase = Phase.ACCELERATING
 
     def update(self, rows: list[LegRow], motion: Motion) -> None:
         """Take the newest rows and the filtered motion at their time."""
-        collects = self.phase in (Phase.CRUISE, Phase.DECELERATING)
-        if collects or motion.time_s >= self._cruise_after_s:
+        if self.phase in (Phase.CRUISE, Phase.DECELERATING):
             for row in rows:
                 self._tracker.add(row)
-        self._handlers[self.phase](motion)
+        self._handlers[self.phase](rows, motion)
 
-    def _fit(self) -> LegFit | None:
-        """Refresh the leg being flown."""
-        fit = self._tracker.fit()
-        if fit is not None and fit.speed_mps < self._p.min_cruise_mps:
-            fit = None
-        self._settled = self._told = fit
-        return fit
+    # On a leg ----------------------------------------------------------------------------------
 
-    def _cruise(self, motion: Motion) -> None:
-        fit = self._fit()
-        if fit is None:
-            self._watch_standstill(motion)
+    def _begin_leg(self, rows: list[LegRow], motion: Motion) -> None:
+        position, velocity = (motion.x_m, motion.y_m), (motion.vx_mps, motion.vy_mps)
+        self._tracker.begin(rows[0].time_s, position, velocity)
+        for row in rows:
+            self._tracker.add(row)
+        self._heading_rad = None
+
+    def _cruise(self, _rows: list[LegRow], motion: Motion) -> None:
+        if self.leg is None:
+            self._begin_moving(motion)
             return
         self._still_since_s = None
-        seen = watch_leg(
+        tracker = self._tracker
+        if self._heading_rad is None:
+            self._heading_rad = motion.course_rad
+        tracker.settle(motion.time_s - ONSET_REACH_S, self._heading_rad)
+        seen = self._watch(motion)
+        young = motion.time_s - tracker.begun_s < YOUNG_S
+        if max(seen.slowing, seen.turning) > self._needed and not young:
+            self._detect(seen, motion)
+        elif seen.misfit > MISFIT_LIMIT:
+            # It is flown otherwise than was thought: what is to be learnt of it is learnt now.
+            tracker.settle(motion.time_s - NEWEST_S, self._heading_rad)
+            tracker.process.loosen()
+        elif max(seen.slowing, seen.turning) < 0.0:
+            self._tell(seen, motion)
+
+    @property
+    def _needed(self) -> float:
+        """The evidence that is called a detection: more without velocities.
+
+        The errors of positions are alike from one to the next, and not white as they are taken for.
+        """
+        p = self._p
+        measured = self._tracker.has_velocities
+        return p.detect_log_bayes if measured else p.detect_log_bayes + p.detect_positions_extra
+
+    def _watch(self, motion: Motion) -> Watch:
+        """Weigh the newest rows of the leg."""
+        assert self._heading_rad is not None
+        return watch(
             self._tracker.rows,
-            fit,
-            onset_range_s=_onset_range_s(fit, motion.time_s),
+            self._tracker.belief,
+            self._heading_rad,
+            onset_range_s=self._onset_range_s(motion.time_s),
             accel_prior=self._prior,
         )
-        if seen.log_bayes is not None and seen.log_bayes > self._p.detect_log_bayes:
-            self._detected_s = motion.time_s
-            self.phase = Phase.DECELERATING
-            self._publish(self._infer(), motion.time_s)
-        elif seen.steady is not None:
-            self._told = seen.steady
 
-    def _infer(self) -> StopPosterior:
-        assert self._settled is not None
+    def _onset_range_s(self, until_s: float) -> tuple[float, float]:
+        """Return when a corner may have begun [s], as seen at ``until_s`` [s]."""
+        return max(self._tracker.begun_s, until_s - ONSET_REACH_S), until_s
+
+    def _tell(self, seen: Watch, motion: Motion) -> None:
+        """Tell of the leg as it is known by all rows."""
+        means = seen.means
+        if math.hypot(means[0, 1], means[1, 1]) < self._p.min_cruise_mps:
+            self.leg = None
+            return
+        self._heading_rad = math.atan2(means[1, 1], means[0, 1])
+        self.leg = told_of(motion.time_s, means, seen.covariance, self._heading_rad)
+
+    # A corner ahead ----------------------------------------------------------------------------
+
+    def _detect(self, seen: Watch, motion: Motion) -> None:
+        """Foretell a corner."""
+        self._detected_s = motion.time_s
+        self._turning_since_s = None
+        self._posterior = None
+        assert self.leg is not None
+        self.phase = Phase.DECELERATING
+        self._cruise_speed_mps = self.leg.speed_mps
+        if seen.turning > seen.slowing:
+            self._turning_since_s = motion.time_s
+            self._roll(seen, motion)
+        else:
+            self._publish(self._infer(motion), motion)
+
+    def _infer(self, motion: Motion) -> StopPosterior:
+        assert self._heading_rad is not None
+        first, last = self._onset_range_s(self._detected_s)
         return stop_posterior(
-            self._settled.project(self._tracker.rows),
-            onset_range_s=_onset_range_s(self._settled, self._detected_s),
-            speed_mps=self._settled.speed_mps,
+            self._tracker.rows,
+            self._tracker.belief,
+            self._heading_rad,
+            onset_range_s=(first, last),
             accel_prior=self._prior,
+            origin_m=(motion.x_m, motion.y_m),
             refinements=REFINEMENTS,
         )
 
-    def _publish(self, posterior: StopPosterior, time_s: float) -> None:
-        settled = self._settled
-        assert settled is not None
+    def _publish(self, posterior: StopPosterior, motion: Motion) -> None:
+        assert self.leg is not None
+        assert self._heading_rad is not None
         self._posterior = posterior
-        line = settled.line
-        stop = line.offset(posterior.stop_along_m)
-        age = posterior.stop_time_s - settled.time_s
-        across = math.sqrt(max(1e-6, settled.variance_m2(age)))
-        c, s = math.cos(line.heading_rad), math.sin(line.heading_rad)
+        here = Pose(motion.x_m, motion.y_m, self._heading_rad)
+        off = self._line.across(here.x_m, here.y_m)
+        stop = here.offset(posterior.stop_along_m, -off)
+        self._foretell(
+            motion.time_s,
+            stop,
+            posterior.stop_time_s,
+            posterior.speed_mps,
+            posterior.accel_mps2,
+            (posterior.stop_along_sigma_m, posterior.stop_time_sigma_s),
+        )
+
+    @property
+    def _line(self) -> Pose:
+        assert self.leg is not None
+        return self.leg.foot
+
+    def _foretell(
+        self,
+        time_s: float,
+        stop: Pose,
+        stop_time_s: float,
+        speed_mps: float,
+        accel_mps2: float,
+        sigmas: tuple[float, float],
+    ) -> None:
+        leg = self.leg
+        assert leg is not None
+        ahead_s = stop_time_s - leg.time_s
+        across = math.hypot(leg.position_sigma_m, leg.speed_sigma_mps * ahead_s)
+        c, s = math.cos(stop.heading_rad), math.sin(stop.heading_rad)
         axes = np.array([[c, -s], [s, c]])
-        variances = np.diag([posterior.stop_along_sigma_m**2, across**2])
+        variances = np.diag([sigmas[0] ** 2, max(across**2, 1e-6)])
         self.corner = CornerEstimate(
             time_s=time_s,
             stop=stop,
-            stop_time_s=posterior.stop_time_s,
-            speed_mps=posterior.speed_mps,
-            accel_mps2=posterior.accel_mps2,
+            stop_time_s=stop_time_s,
+            speed_mps=speed_mps,
+            accel_mps2=accel_mps2,
             covariance=axes @ variances @ axes.T,
-            heading_sigma_rad=settled.estimate().heading_sigma_rad,
-            stop_time_sigma_s=posterior.stop_time_sigma_s,
+            heading_sigma_rad=leg.heading_sigma_rad,
+            stop_time_sigma_s=sigmas[1],
         )
 
-    def _decelerating(self, motion: Motion) -> None:
-        assert self._settled is not None
+    def _decelerating(self, _rows: list[LegRow], motion: Motion) -> None:
+        assert self._heading_rad is not None
+        seen = self._watch(motion)
+        turned = wrap_angle(motion.course_rad - self._heading_rad)
+        if self._turning_since_s is None and (
+            seen.turning > self._needed
+            and abs(turned) > TURNING_RAD
+            and motion.speed_mps > self._p.min_cruise_mps
+        ):
+            self._turning_since_s = motion.time_s
+        if self._turning_since_s is not None:
+            self._turn(seen, motion, turned)
+            return
+        self._publish(self._infer(motion), motion)
         assert self._posterior is not None
-        self._publish(self._infer(), motion.time_s)
         cruise = self._posterior.speed_mps
         expected = self._expected_speed(motion.time_s)
-        along = motion.speed_mps * math.cos(motion.course_rad - self._settled.heading_rad)
+        along = motion.speed_mps * math.cos(turned)
         overdue_s = motion.time_s - self._posterior.stop_time_s
         moving = along > STOPPED_SHARE * cruise
         if (
@@ -164,9 +261,49 @@ class CornerTracker:
             self._withdraw(motion)
         elif overdue_s >= 0.0 and not moving:
             self.phase = Phase.STOPPED
-            self._told = None
+            self.leg = None
             self._moving_fixes = 0
             self._learn(self._posterior)
+
+    def _turn(self, seen: Watch, motion: Motion, turned: float) -> None:
+        """Follow a turn that is rolled: on its new leg once most of it is flown."""
+        assert self._turning_since_s is not None
+        if abs(turned) > TURNED_RAD or motion.speed_mps < MOVING_MPS:
+            self._begin_moving(motion)
+        elif abs(turned) < TURNING_RAD and (
+            motion.time_s - self._turning_since_s > STRAIGHT_AGAIN_S or seen.turning < 0.0
+        ):
+            self._withdraw(motion)
+        else:
+            self._roll(seen, motion)
+
+    def _roll(self, seen: Watch, motion: Motion) -> None:
+        """Tell a rolled corner as a stop that costs as much time, where its legs' lines cross.
+
+        Turning by the angle t so far, at v with the radius r, the helicopter is on its new leg
+        after r (pi / 2 - t) more, r (1 - sin t) ahead.
+        """
+        assert self.leg is not None
+        line, cruise = self._line, self.leg.speed_mps
+        v = max(motion.speed_mps, self._p.min_cruise_mps)
+        turned = min(abs(wrap_angle(motion.course_rad - line.heading_rad)), RIGHT_ANGLE_RAD)
+        radius = v**2 / max(abs(seen.turn_mps2), 1.0)
+        ahead = line.along(motion.x_m, motion.y_m) + radius * (1.0 - math.sin(turned))
+        passed_s = self.leg.time_s + ahead / cruise
+        on_leg_s = motion.time_s + radius * (RIGHT_ANGLE_RAD - turned) / v
+        accel = self._prior.centre_mps2
+        missing = max(0.0, cruise - v)
+        ramp_m = (cruise**2 - min(v, cruise) ** 2) / (2.0 * accel)
+        lost_s = on_leg_s + missing / accel - (radius + ramp_m) / cruise - passed_s
+        equal_m = min(max(0.5 * cruise * lost_s, LEAST_STOP_M), cruise**2 / (2.0 * accel))
+        self._foretell(
+            motion.time_s,
+            line.offset(ahead),
+            passed_s + equal_m / cruise,
+            cruise,
+            cruise**2 / (2.0 * equal_m),
+            (0.3 * radius, 0.3 * radius / v),
+        )
 
     def _expected_speed(self, time_s: float) -> float:
         assert self._posterior is not None
@@ -174,9 +311,17 @@ class CornerTracker:
         return max(0.0, min(self._posterior.speed_mps, left * self._posterior.accel_mps2))
 
     def _withdraw(self, motion: Motion) -> None:
+        """Take a corner back; where the leg is still flown as before it goes on as if none was."""
         self.withdrawn += 1
-        self.corner = None
-        self._begin_moving(motion)
+        self.corner = self._posterior = None
+        leg = self.leg
+        assert leg is not None
+        self._tracker.settle(motion.time_s - NEWEST_S, leg.foot.heading_rad)
+        turned = wrap_angle(motion.course_rad - leg.foot.heading_rad)
+        if abs(turned) < STILL_ON_RAD and abs(motion.speed_mps - leg.speed_mps) < STILL_ON_MPS:
+            self.phase = Phase.CRUISE
+        else:
+            self._begin_moving(motion)
 
     def _learn(self, posterior: StopPosterior) -> None:
         """Sharpen the prior on a with a corner that was flown to its stop, within reason."""
@@ -189,9 +334,10 @@ class CornerTracker:
         first = self._p.accel_prior_mps2
         centre = min(first * LEARNT_RANGE, max(first / LEARNT_RANGE, centre))
         self._prior = AccelPrior(centre, max(LEARNT_SPREAD_FLOOR, math.sqrt(1.0 / (old + new))))
-        self._cruise_speed_mps = posterior.speed_mps
 
-    def _stopped(self, motion: Motion) -> None:
+    # Standing, and away again ------------------------------------------------------------------
+
+    def _stopped(self, _rows: list[LegRow], motion: Motion) -> None:
         if self.corner is None:
             moving = motion.speed_mps > self._p.min_cruise_mps
         else:
@@ -205,21 +351,34 @@ class CornerTracker:
 
     def _begin_moving(self, motion: Motion) -> None:
         self.phase = Phase.ACCELERATING
-        self._told = self._settled = None
-        self._tracker.clear()
+        self.leg = None
+        self._begins = False
         self._still_since_s = None
         speed = self._cruise_speed_mps or motion.speed_mps
         missing = max(0.0, speed - motion.speed_mps)
         self._cruise_after_s = motion.time_s + missing / self._prior.centre_mps2 + 1.0
 
-    def _accelerating(self, motion: Motion) -> None:
+    def _accelerating(self, rows: list[LegRow], motion: Motion) -> None:
         if motion.time_s < self._cruise_after_s:
             return
-        if self._fit() is None:
+        if motion.speed_mps < self._p.min_cruise_mps:
+            self._begins = False
             self._watch_standstill(motion)
             return
-        self.phase = Phase.CRUISE
-        self.corner = None
+        if not self._begins:
+            self._begins = True
+            self._begin_leg(rows, motion)
+            return
+        for row in rows:
+            self._tracker.add(row)
+        self._heading_rad = motion.course_rad
+        seen = self._watch(motion)
+        known = math.sqrt(seen.covariance[1, 1]) < KNOWN_SPEED_SIGMA_MPS
+        if known or motion.time_s - self._tracker.begun_s > KNOWN_AFTER_S:
+            self._tell(seen, motion)
+            if self.leg is not None:
+                self.phase = Phase.CRUISE
+                self.corner = None
 
     def _watch_standstill(self, motion: Motion) -> None:
         """Call it stopped when it stands without a deceleration having been recognised."""
@@ -230,10 +389,5 @@ class CornerTracker:
         elif motion.time_s - self._still_since_s >= STANDSTILL_S:
             self.phase = Phase.STOPPED
             self._moving_fixes = 0
-            self.corner = self._told = None
-            self._tracker.clear()
-
-
-def _onset_range_s(fit: LegFit, until_s: float) -> tuple[float, float]:
-    """Return when a slowing on a leg may have begun [s], as seen at ``until_s`` [s]."""
-    return max(fit.since_s, until_s - ONSET_REACH_S), until_s
+            self._begins = False
+            self.corner = self.leg = None

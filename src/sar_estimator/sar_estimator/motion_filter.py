@@ -1,8 +1,7 @@
 """Kalman filters of the helicopter's position, velocity and acceleration.
 
-Two run side by side: a *steady* one that expects little acceleration, and an *agile* one that can
-follow a manoeuvre. Both take the same measurements, and each step is one compiled loop over them.
-Tests hold each to filterpy's.
+Two of filterpy's run side by side: a *steady* one that expects little acceleration, and an *agile*
+one that can follow a manoeuvre. Both take the same measurements.
 
 The motion model is Singer's: each axis' acceleration is a first-order Markov process of variance
 sigma_a^2 and time constant tau (Singer 1970, "Estimating optimal tracking filter performance for
@@ -16,13 +15,14 @@ import math
 from functools import lru_cache
 
 import numpy as np
+from filterpy.kalman import KalmanFilter
 
-from sar_estimator.compiled import compiled
 from sar_estimator.states import FloatArray, Motion, MotionEstimate
 
 STATES = 6
 STEADY, AGILE = range(2)
-POSITION, VELOCITY = range(2)
+POSITION = np.eye(STATES)[[0, 3]]
+VELOCITY = np.eye(STATES)[[1, 4]]
 Spread = tuple[float, float, float]
 """Covariance of a pair of axes: xx, xy, yy."""
 
@@ -57,106 +57,33 @@ def singer_noise(dt_s: float, tau_s: float, sigma_mps2: float) -> FloatArray:
 @lru_cache(maxsize=512)
 def models(
     dt_s: float, tau_s: float, sigmas_mps2: tuple[float, ...]
-) -> tuple[FloatArray, FloatArray]:
-    """Return one axis' transition, shape (3, 3), and each filter's process noise, (n, 3, 3).
+) -> tuple[FloatArray, tuple[FloatArray, ...]]:
+    """Return the transition, shape (6, 6), and each filter's process noise, (6, 6).
 
     Ticks come at the same few times after a fix again and again. Not to be written to.
     """
-    transition = singer_transition(dt_s, tau_s)
-    noises = np.array([singer_noise(dt_s, tau_s, sigma) for sigma in sigmas_mps2])
-    for model in (transition, noises):
+    transition = np.kron(np.eye(2), singer_transition(dt_s, tau_s))
+    noises = tuple(np.kron(np.eye(2), singer_noise(dt_s, tau_s, sigma)) for sigma in sigmas_mps2)
+    for model in (transition, *noises):
         model.setflags(write=False)
     return transition, noises
 
 
-@compiled(
-    "Tuple((float64[:, ::1], float64[:, :, ::1]))"
-    "(float64[:, ::1], float64[:, :, ::1], Array(float64, 2, 'C', readonly=True),"
-    " Array(float64, 3, 'C', readonly=True))"
-)
-def carried(
-    states: FloatArray, covariances: FloatArray, transition: FloatArray, noises: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return F x and F P F' + Q of each filter, shapes (n, 6) and (n, 6, 6).
-
-    ``transition``, ``noises``: those of one axis, (3, 3) and (n, 3, 3); the axes are moved alike
-    and do not act on each other.
-    """
-    moved, out, half = (
-        np.zeros(states.shape),
-        np.zeros(covariances.shape),
-        np.empty((STATES, STATES)),
-    )
-    for n in range(states.shape[0]):
-        half[:] = 0.0
-        for i in range(STATES):
-            block = 3 * (i // 3)
-            for k in range(3):
-                moved[n, i] += transition[i - block, k] * states[n, block + k]
-                for j in range(STATES):
-                    half[i, j] += transition[i - block, k] * covariances[n, block + k, j]
-        for i in range(STATES):
-            for j in range(STATES):
-                block = 3 * (j // 3)
-                if i // 3 == j // 3:
-                    out[n, i, j] = noises[n, i - block, j - block]
-                for k in range(3):
-                    out[n, i, j] += half[i, block + k] * transition[j - block, k]
-    return moved, out
+def inverse_2x2(matrix: FloatArray) -> FloatArray:
+    """Return the inverse of a matrix, shape (2, 2). A library's own takes ten times as long."""
+    (a, b), (c, d) = matrix.tolist()
+    determinant = a * d - b * c
+    return np.array(((d, -b), (-c, a))) / determinant
 
 
-@compiled(
-    "void(float64[:, ::1], float64[:, :, ::1], int64, UniTuple(float64, 2), UniTuple(float64, 3))"
-)
-def _update(
-    states: FloatArray,
-    covariances: FloatArray,
-    what: int,
-    measured: tuple[float, float],
-    noise: Spread,
-) -> None:
-    """Update each filter, in place, with both axes' positions or velocities (``what``).
-
-    P = (I - K H) P (I - K H)' + K R K', which stays symmetric and positive (Joseph's form;
-    Bar-Shalom, Li & Kirubarajan 2001, equation 5.2.3-18).
-    """
-    x, y = what, 3 + what
-    gain, rest, half = np.empty((STATES, 2)), np.empty((STATES, STATES)), np.empty((STATES, STATES))
-    for n in range(states.shape[0]):
-        state, p = states[n], covariances[n]
-        xx, xy, yy = p[x, x] + noise[0], p[x, y] + noise[1], p[y, y] + noise[2]
-        determinant = xx * yy - xy * xy
-        off_x, off_y = measured[0] - state[x], measured[1] - state[y]
-        for i in range(STATES):
-            gain[i, 0] = (p[i, x] * yy - p[i, y] * xy) / determinant
-            gain[i, 1] = (p[i, y] * xx - p[i, x] * xy) / determinant
-        for i in range(STATES):
-            state[i] += gain[i, 0] * off_x + gain[i, 1] * off_y
-            for j in range(STATES):
-                rest[i, j] = p[i, j] - gain[i, 0] * p[x, j] - gain[i, 1] * p[y, j]
-            half[i, 0] = gain[i, 0] * noise[0] + gain[i, 1] * noise[1]
-            half[i, 1] = gain[i, 0] * noise[1] + gain[i, 1] * noise[2]
-        for i in range(STATES):
-            for j in range(STATES):
-                p[i, j] = rest[i, j] - rest[i, x] * gain[j, 0] - rest[i, y] * gain[j, 1]
-                p[i, j] += half[i, 0] * gain[j, 0] + half[i, 1] * gain[j, 1]
-
-
-@compiled(
-    "UniTuple(float64, 2)"
-    "(float64[:, ::1], float64[:, :, ::1], UniTuple(float64, 2), UniTuple(float64, 3))"
-)
-def _surprises(
-    states: FloatArray, covariances: FloatArray, measured: tuple[float, float], noise: Spread
-) -> tuple[float, float]:
-    """Return the normalised innovation squared of a position, by the steady and the agile."""
-    found = np.empty(2)
-    for n in range(2):
-        xx, xy = covariances[n, 0, 0] + noise[0], covariances[n, 0, 3] + noise[1]
-        yy = covariances[n, 3, 3] + noise[2]
-        dx, dy = measured[0] - states[n, 0], measured[1] - states[n, 3]
-        found[n] = (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / (xx * yy - xy * xy)
-    return found[0], found[1]
+def _surprise(
+    state: FloatArray, covariance: FloatArray, measured: tuple[float, float], noise: Spread
+) -> float:
+    """Return the normalised innovation squared of a position."""
+    xx, xy = covariance[0, 0] + noise[0], covariance[0, 3] + noise[1]
+    yy = covariance[3, 3] + noise[2]
+    dx, dy = measured[0] - state[0], measured[1] - state[3]
+    return float((yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / (xx * yy - xy * xy))
 
 
 class MotionFilters:
@@ -179,18 +106,21 @@ class MotionFilters:
         self.time_s = time_s
         self._tau_s = tau_s
         self._accels = accel_sigmas_mps2
-        self._states = np.array([[position_m[0], 0.0, 0.0, position_m[1], 0.0, 0.0]] * 2)
-        one = np.diag([0.0, speed_sigma_mps**2, 1.0] * 2)
         xx, xy, yy = spread_m2
-        one[np.ix_([0, 3], [0, 3])] = ((xx, xy), (xy, yy))
-        self._covariances = np.array([one, one])
-        # Where both were last carried to: a fix's time is asked for again and again.
-        self._ahead: tuple[float, FloatArray, FloatArray] | None = None
+        self._filters = (KalmanFilter(dim_x=STATES, dim_z=2), KalmanFilter(dim_x=STATES, dim_z=2))
+        for one in self._filters:
+            one.inv = inverse_2x2
+            one.x = np.array([position_m[0], 0.0, 0.0, position_m[1], 0.0, 0.0])
+            one.P = np.diag([0.0, speed_sigma_mps**2, 1.0] * 2)
+            one.P[np.ix_([0, 3], [0, 3])] = ((xx, xy), (xy, yy))
+        # What each was carried to last: a fix's time is asked for again and again.
+        self._ahead: list[tuple[float, FloatArray, FloatArray] | None] = [None, None]
 
     @property
     def position(self) -> tuple[float, float]:
         """The agile filter's position [m] at the filters' time."""
-        return float(self._states[AGILE, 0]), float(self._states[AGILE, 3])
+        state = self._filters[AGILE].x
+        return float(state[0]), float(state[3])
 
     def steady(self, time_s: float) -> MotionEstimate:
         """Return the steady estimate carried to ``time_s`` [s]; the filter stays as it is."""
@@ -204,43 +134,52 @@ class MotionFilters:
         self, time_s: float, position_m: tuple[float, float], spread_m2: Spread
     ) -> tuple[float, float]:
         """Return the squared Mahalanobis distances of a fix from both (chi-square, 2 dof)."""
-        return _surprises(*self._carried(time_s), position_m, spread_m2)
+        steady, agile = (
+            _surprise(*self._carried(which, time_s), position_m, spread_m2)
+            for which in (STEADY, AGILE)
+        )
+        return steady, agile
 
     def _estimate(self, which: int, time_s: float) -> MotionEstimate:
-        states, covariances = self._carried(time_s)
-        x, vx, ax, y, vy, ay = states[which].tolist()
-        return MotionEstimate(Motion(time_s, x, y, vx, vy, ax, ay), covariances[which].copy())
+        state, covariance = self._carried(which, time_s)
+        x, vx, ax, y, vy, ay = state.tolist()
+        return MotionEstimate(Motion(time_s, x, y, vx, vy, ax, ay), covariance.copy())
 
-    def _carried(self, time_s: float) -> tuple[FloatArray, FloatArray]:
-        """Return both filters' states and covariances at ``time_s`` [s]; not to be changed."""
-        dt = time_s - self.time_s
+    def _carried(self, which: int, time_s: float) -> tuple[FloatArray, FloatArray]:
+        """Return a filter's state and covariance at ``time_s`` [s]; not to be changed."""
+        one, dt = self._filters[which], time_s - self.time_s
         if dt <= 0.0:
-            return self._states, self._covariances
-        if self._ahead is None or self._ahead[0] != time_s:
-            model = models(round(dt, 9), self._tau_s, self._accels)
-            self._ahead = time_s, *carried(self._states, self._covariances, *model)
-        return self._ahead[1:]
+            return one.x, one.P
+        known = self._ahead[which]
+        if known is None or known[0] != time_s:
+            one.F, noises = models(round(dt, 9), self._tau_s, self._accels)
+            one.Q = noises[which]
+            known = self._ahead[which] = time_s, *one.get_prediction()
+        return known[1], known[2]
 
     def settle(self) -> None:
         """Begin the steady filter again where the agile one is."""
-        self._states[STEADY], self._covariances[STEADY] = (
-            self._states[AGILE],
-            self._covariances[AGILE],
-        )
-        self._ahead = None
+        steady, agile = self._filters
+        steady.x, steady.P = agile.x.copy(), agile.P.copy()
+        self._ahead[STEADY] = None
 
     def advance(self, time_s: float) -> None:
         """Predict to ``time_s`` [s]; the filters' own time, where that is later."""
-        self._states, self._covariances = self._carried(time_s)
-        self.time_s, self._ahead = max(time_s, self.time_s), None
+        for which, one in enumerate(self._filters):
+            one.x, one.P = self._carried(which, time_s)
+        self.time_s, self._ahead = max(time_s, self.time_s), [None, None]
 
     def update_position(self, position_m: tuple[float, float], spread_m2: Spread) -> None:
         """Update with a position [m] and its covariance [m^2]."""
-        self._ahead = None
-        _update(self._states, self._covariances, POSITION, position_m, spread_m2)
+        xx, xy, yy = spread_m2
+        self._update(POSITION, position_m, np.array(((xx, xy), (xy, yy))))
 
     def update_velocity(self, velocity_mps: tuple[float, float], sigma_mps: float) -> None:
         """Update with a velocity [m/s] of standard deviation ``sigma_mps`` on each axis."""
-        self._ahead = None
-        spread = sigma_mps**2, 0.0, sigma_mps**2
-        _update(self._states, self._covariances, VELOCITY, velocity_mps, spread)
+        self._update(VELOCITY, velocity_mps, np.eye(2) * sigma_mps**2)
+
+    def _update(self, shown: FloatArray, values: tuple[float, float], noise: FloatArray) -> None:
+        self._ahead = [None, None]
+        measured = np.array(values)
+        for one in self._filters:
+            one.update(measured, R=noise, H=shown)

@@ -14,8 +14,10 @@ class EstimatorParameters:
     gate_chi2: innovation gate, 2 degrees of freedom. jump_after: consecutive outliers that agree
     with each other after which the filter starts again there. lost_after_s: without a usable fix.
     restart_after_s: gap after which the filter starts again. accel_tau_s, cruise_accel_sigma_mps2,
-    turn_accel_sigma_mps2: Singer model on legs and in corners. leg_window_s: fitted stretch.
-    detect_log_bayes: evidence for slowing that is called a detection. accel_prior_mps2,
+    turn_accel_sigma_mps2: Singer model on legs and in corners. wander_prior_mps: rms
+    velocity with which a pilot is expected to wander before he was seen to fly, to a factor of three.
+    detect_log_bayes: evidence for a corner that is called a detection, and how
+    much more without velocities. accel_prior_mps2,
     accel_prior_spread: deceleration expected before any corner was seen. min_cruise_mps: slowest
     speed taken for a leg. speed_noise_mps: pilot's own speed variation, added to Doppler noise.
     """
@@ -29,12 +31,13 @@ class EstimatorParameters:
     accel_tau_s: float = 3.0
     cruise_accel_sigma_mps2: float = 0.3
     turn_accel_sigma_mps2: float = 3.0
-    leg_window_s: float = 40.0
-    detect_log_bayes: float = 8.0
+    wander_prior_mps: float = 0.2
+    detect_log_bayes: float = 5.25
+    detect_positions_extra: float = 1.25
     accel_prior_mps2: float = 2.5
     accel_prior_spread: float = 0.3
     min_cruise_mps: float = 5.0
-    speed_noise_mps: float = 0.1
+    speed_noise_mps: float = 0.05
 
     def __post_init__(self) -> None:
         """Refuse what is not a positive finite number, naming it."""

@@ -43,8 +43,8 @@ DETOUR_COST = 0.1
 LONGEST_TURN_RAD = 1.4 * math.pi
 ON_TRACK_M = 40.0
 ON_HEADING_RAD = math.radians(25.0)
-FRAME_SHIFT_M = 8.0
-FRAME_TURN_RAD = math.radians(2.0)
+FRAME_SHIFT_M = 20.0
+FRAME_TURN_RAD = math.radians(4.0)
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,6 @@ from sar_planner.strips import StripsAt
 OFF_PATH_M = 20.0
 BESIDE_M = 3.0
 SETTLED_RAD = math.radians(20.0)
-TIMING_M = 15.0
 MARGIN_SHARE = 0.4
 CORRECTED_SHARE = 0.6
 WIDER_M = 5.0
@@ -228,7 +227,7 @@ class DeadbeatPilot(Pilot):
         again = self.active is not None and self.active.k == k
         if again and self.active is not None and self.active.committed:
             return None
-        if estimate is self._planned:
+        if estimate is self._planned or (again and not self._is_news(estimate)):
             return None
         self._planned = estimate
         corner = self._corner
@@ -262,6 +261,19 @@ class DeadbeatPilot(Pilot):
         )
         self._commit_when_due(now_s)
         return str(plan.rule), self._list_of(path, from_m=flown)
+
+    def _is_news(self, estimate: CornerEstimate) -> bool:
+        """Whether a corner is so much otherwise than it was planned that a new list is worth it.
+
+        The lag that is left otherwise is taken out on the leg.
+        """
+        assert self.active is not None
+        planned = self.active.estimate
+        moved_m = math.hypot(
+            estimate.stop.x_m - planned.stop.x_m, estimate.stop.y_m - planned.stop.y_m
+        )
+        later_m = abs(estimate.stop_time_s - planned.stop_time_s) * estimate.speed_mps
+        return max(moved_m, later_m) > self._mission.corner_tolerance_m
 
     def _rule_plan(
         self, estimate: CornerEstimate, frame: CornerFrame, now_s: float
@@ -418,8 +430,7 @@ class DeadbeatPilot(Pilot):
         self.speed_mps = approach.speed_mps
         speed = approach.speed_mps * self._share
         lag = final_lag_m(rest, expected[0], start_s=now_s, speed_mps=speed)
-        tolerance = self._mission.lag_tolerance_m if self.active is not None else TIMING_M
-        tolerance = max(tolerance, self._mission.far_tolerance * rest.length_m)
+        tolerance = max(self._mission.lag_tolerance_m, self._mission.far_tolerance * rest.length_m)
         settling = now_s - self._corrected_s < self._mission.settling_s
         fits = abs(lag) < tolerance and not moved and (settling or off_m < OFF_PATH_M)
         margin = 0.0 if settling else MARGIN_SHARE * self._mission.separation_margin_m
@@ -573,6 +584,13 @@ class DeadbeatPilot(Pilot):
 
     # Legs --------------------------------------------------------------------------------------
 
+    def _off_mps(self, forecast: Forecast) -> float:
+        """Return by how much the helicopter is faster now than it is on its leg's average."""
+        helicopter = self._s.helicopter
+        assert helicopter is not None
+        off = helicopter.course_rad - forecast.leg.heading_rad
+        return helicopter.speed_mps * math.cos(off) - forecast.speed_mps
+
     def _on_slot(self, now_s: float, forecast: Forecast) -> bool:
         return is_on_track(self._uav_in(self._s.slot_frame(forecast.leg), now_s))
 
@@ -590,6 +608,7 @@ class DeadbeatPilot(Pilot):
         self.speed_mps = trimmed_mps(
             lag - self.kept_lag_m,
             forecast.speed_mps,
+            off_mps=self._mission.trim_follow * self._off_mps(forecast),
             gain=self._mission.trim_gain,
             trim=self._mission.speed_trim,
         )

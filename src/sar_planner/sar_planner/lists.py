@@ -18,8 +18,9 @@ LEAST_GAP_M = 5.0
 LOITER_AHEAD_M = 300.0
 GUIDE_GAP_M = 10.0
 SETTLING_L1 = 4.0
-RENEWED_M = 200.0
-LATER_SHARE = 0.25
+TOLERANCE_HALF_LIFE_M = 550.0
+LEAST_TOLERANCE_SHARE = 0.3
+FAR_M, FAR_SHARE = 500.0, 0.5
 SAME_PATH_M = 50.0
 SAME_HEADING_RAD = 1.0
 
@@ -92,18 +93,21 @@ class WaypointLists:
         return off if abs(off) < SAME_PATH_M else 0.0
 
     def track(self, slot: Pose, uav: Motion) -> FloatArray | None:
-        """Return the waypoints, shape (3, 2) [m], of a slot track's list that is due, or None."""
+        """Return the waypoints, shape (3, 2) [m], of a slot track's list that is due, or None.
+
+        The line of a leg that a human flies is known the better the longer it is flown: what is
+        tolerated of a shift grows less with what has been flown on the list.
+        """
         here = slot.offset(slot.along(uav.x_m, uav.y_m))
         if self._listed is not None:
-            far = here.offset(1000.0)
+            far = here.offset(FAR_M)
             shift = max(
                 abs(self._listed.across(here.x_m, here.y_m)),
-                0.5 * abs(self._listed.across(far.x_m, far.y_m)),
+                FAR_SHARE * abs(self._listed.across(far.x_m, far.y_m)),
             )
             flown = self._listed.along(uav.x_m, uav.y_m)
-            tolerance = self._p.slot_tolerance_m
-            if flown > RENEWED_M:
-                tolerance *= LATER_SHARE
+            left = 0.5 ** (max(flown, 0.0) / TOLERANCE_HALF_LIFE_M)
+            tolerance = self._p.slot_tolerance_m * max(left, LEAST_TOLERANCE_SHARE)
             if shift < tolerance and flown < 0.6 * self._p.horizon_m:
                 return None
         self._listed = here

@@ -23,13 +23,15 @@ class MissionParameters:
     over a coordinated turn's. roll_lag_s: from its demand to the bank. speed_lead_s: how far ahead
     of the UAV the airspeed is chosen for. reaction_s: from a decision to the autopilot flying the
     new list. horizon_m: how far ahead of the UAV the list reaches. slot_tolerance_m: shift of the
-    slot track that is worth a new list at once, a quarter of it later. capture_m: from the UAV to
+    slot track that is worth a new list at once, half of it every 550 m later, down to 0.3. capture_m: from the UAV to
     the first waypoint of a slot track. loiter_radius_m: of the circle a list ends in, as flown.
     stale_s: age at which a position is no longer planned with. speed_range: speeds of the
     helicopter, relative to V, that the rules are used for; accel_range: decelerations likewise.
     speed_trim: share of V by which the UAV may be asked to fly faster or slower (deadbeat rules);
     corner_hurry: by which it flies faster in weaves. trim_gain: speed asked for per metre of lag
-    [1/s]. lag_tolerance_m: predicted lag at the end of a path that is worth a correction, and
+    [1/s]; trim_follow: share of what the helicopter flies faster at present than on average that
+    is asked for too. corner_tolerance_m: by which the stop ahead, or V times its time, must
+    change to be planned anew. lag_tolerance_m: predicted lag at the end of a path that is worth a correction, and
     far_tolerance: at least this share of what is left of it. correction_s: least time between two
     corrections; settling_s: for how long after one the UAV may be beside its new path, and nearer
     than the margin to the helicopter, without another. ahead_m: how far ahead of its slot the UAV
@@ -47,16 +49,18 @@ class MissionParameters:
     speed_lead_s: float = 3.5
     reaction_s: float = 1.0
     horizon_m: float = 4000.0
-    slot_tolerance_m: float = 4.0
+    slot_tolerance_m: float = 10.0
     capture_m: float = 150.0
     loiter_radius_m: float = 100.0
     stale_s: float = 5.0
     speed_range: tuple[float, float] = (0.75, 1.25)
-    accel_range: tuple[float, float] = (0.6, 2.0)
+    accel_range: tuple[float, float] = (0.4, 60.0)
     speed_trim: float = 0.1
     corner_hurry: float = 0.1
     trim_gain: float = 0.1
-    lag_tolerance_m: float = 8.0
+    trim_follow: float = 0.5
+    corner_tolerance_m: float = 12.0
+    lag_tolerance_m: float = 60.0
     far_tolerance: float = 0.03
     correction_s: float = 2.0
     settling_s: float = 4.0
@@ -72,6 +76,7 @@ class MissionParameters:
             "arc_spacing_m",
             "reaction_s",
             "trim_gain",
+            "trim_follow",
             "separation_margin_m",
             "roll_lag_s",
             "speed_lead_s",
@@ -89,6 +94,7 @@ class MissionParameters:
             "capture_m",
             "loiter_radius_m",
             "stale_s",
+            "corner_tolerance_m",
             "lag_tolerance_m",
             "ahead_m",
         ):

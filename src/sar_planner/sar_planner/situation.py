@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from sar_estimator.plane import Pose, wrap_angle
 from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
@@ -22,6 +23,19 @@ EXPECTED_LINE_SIGMA_M = 4.0
 CONTRADICTION = 3.0
 UNSEEN_S = 5.0
 SEEN_LATE_S = 2.0
+SAME_CORNER_S = 10.0
+LEAST_TURN_RAD = math.radians(40.0)
+LEARNT_SIGMA_MPS = 0.6
+LOST_S = (0.0, 25.0)
+LOST_GAIN = 0.5
+LEAST_LOST_S = 0.5
+ROLLED_SHARE = 0.85
+SLOW_SHARE = 0.4
+
+
+def _passed_s(corner: CornerEstimate) -> float:
+    """Return when the helicopter would have passed a corner's stop at cruise [s]."""
+    return corner.stop_time_s - 0.5 * corner.speed_mps / corner.accel_mps2
 
 
 def _weighed(value: float, sigma: float, expected: float, expected_sigma: float) -> float:
@@ -49,6 +63,9 @@ class Situation:
         self.corners_seen = 0
         self.went_on = False
         self._foretold = False
+        self._told: CornerEstimate | None = None
+        self._lost_s: float | None = None
+        self._learnt = 0
 
     # Events ------------------------------------------------------------------------------------
 
@@ -63,26 +80,57 @@ class Situation:
             self.uav = motion
 
     def set_leg(self, leg: LegEstimate) -> None:
-        """Take the leg being flown."""
+        """Take the leg being flown; the first one after a corner tells what the corner cost."""
         if math.isfinite(leg.foot.x_m + leg.foot.y_m + leg.foot.heading_rad):
             self.leg = leg
+            self._learn_lost(leg)
+
+    def _learn_lost(self, leg: LegEstimate) -> None:
+        """Learn what a corner costs of time, once its new leg is known."""
+        corner = self._told
+        if corner is None or self.went_on or self._learnt == self.corners_seen:
+            return
+        turned = wrap_angle(leg.foot.heading_rad - corner.stop.heading_rad)
+        if abs(turned) < LEAST_TURN_RAD or leg.speed_mps < MOVING_MPS:
+            return
+        if leg.speed_sigma_mps > LEARNT_SIGMA_MPS or leg.time_s < corner.stop_time_s:
+            return
+        self._learnt = self.corners_seen
+        away = -leg.foot.along(corner.stop.x_m, corner.stop.y_m)
+        lost_s = leg.time_s - away / leg.speed_mps - _passed_s(corner)
+        if not LOST_S[0] <= lost_s <= LOST_S[1]:
+            return
+        known = self._lost_s
+        self._lost_s = lost_s if known is None else known + LOST_GAIN * (lost_s - known)
 
     def set_phase(self, phase: Phase) -> None:
         """Take the helicopter's phase."""
         if phase is Phase.DECELERATING and self.phase is not phase:
             self._foretold = False
         if self.phase is Phase.DECELERATING and phase in (Phase.CRUISE, Phase.ACCELERATING):
-            self.went_on = True
+            self.went_on = not self._has_turned
         self.phase = phase
+
+    @property
+    def _has_turned(self) -> bool:
+        """Whether the helicopter flies elsewhere than before the corner: it was rolled."""
+        if self.helicopter is None or self.estimate is None:
+            return False
+        turned = wrap_angle(self.helicopter.course_rad - self.estimate.stop.heading_rad)
+        return self.helicopter.speed_mps > MOVING_MPS and abs(turned) > LEAST_TURN_RAD
 
     def set_corner(self, estimate: CornerEstimate) -> bool:
         """Take a prediction, or a refinement, of the corner ahead; return whether it is new.
 
         It may come before the phase that goes with it, or after it.
         """
-        known = self.estimate
-        new = known is None or estimate.time_s < known.time_s - CLOCK_STEP_S
-        if known is not None and estimate.onset_time_s > max(known.stop_time_s, known.time_s):
+        known = self._told
+        if known is not None and estimate.time_s == known.time_s and not self.went_on:
+            return False
+        new = known is None or self.went_on or estimate.time_s < known.time_s - CLOCK_STEP_S
+        if known is not None and estimate.onset_time_s > max(
+            known.stop_time_s, known.time_s, known.onset_time_s + SAME_CORNER_S
+        ):
             new = True
         if new:
             self.corners_seen += 1
@@ -90,12 +138,31 @@ class Situation:
             if self.phase is not Phase.STOPPED:
                 self.phase = Phase.DECELERATING
         self._foretold = True
-        self.estimate = estimate
+        self._told = estimate
+        self.estimate = self._expected(estimate)
         return new
+
+    def _expected(self, estimate: CornerEstimate) -> CornerEstimate:
+        """Return a corner as it will be flown by a pilot who has not stopped at the last ones.
+
+        A corner that is rolled costs less time than the stop that its beginning looks like: it is
+        planned as a stop, at the same place, that costs as much as the last ones did, until he is
+        too slow for that.
+        """
+        lost_s = self._lost_s
+        if lost_s is None or self.helicopter is None:
+            return estimate
+        rolled = lost_s < ROLLED_SHARE * estimate.speed_mps / estimate.accel_mps2
+        slow = self.helicopter.speed_mps < SLOW_SHARE * estimate.speed_mps
+        if not rolled or slow:
+            return estimate
+        accel = estimate.speed_mps / max(lost_s, LEAST_LOST_S)
+        stop_s = _passed_s(estimate) + 0.5 * estimate.speed_mps / accel
+        return replace(estimate, accel_mps2=accel, stop_time_s=stop_s)
 
     def set_clock_back(self) -> None:
         """Forget what belongs to a time that has not come yet."""
-        self.estimate = self.helicopter = self.uav = self.leg = None
+        self.estimate = self._told = self.helicopter = self.uav = self.leg = None
 
     # Derived -----------------------------------------------------------------------------------
 
@@ -195,8 +262,8 @@ class Situation:
         estimate = self.estimate
         if estimate is None or self.went_on:
             return ()
-        leave_s = max(now_s - UNSEEN_S, estimate.stop_time_s)
         out = self._right_angle(estimate.stop)
+        leave_s = max(now_s - UNSEEN_S, estimate.stop_time_s)
         leaving = departing(
             leave_s, out, 0.0, speed_mps=estimate.speed_mps, accel_mps2=estimate.accel_mps2
         )

@@ -7,9 +7,14 @@ PRIOR_S = 8.0
 LEAST_STEP_S = 0.19
 
 
-def trimmed_mps(lag_m: float, speed_mps: float, *, gain: float, trim: float) -> float:
-    """Return the ground speed [m/s] that takes out a lag [m]: V + gain L, within V (1 +- trim)."""
-    return speed_mps + min(max(gain * lag_m, -trim * speed_mps), trim * speed_mps)
+def trimmed_mps(
+    lag_m: float, speed_mps: float, *, gain: float, trim: float, off_mps: float = 0.0
+) -> float:
+    """Return the ground speed [m/s] that takes out a lag [m]: V + off + gain L, in V (1 +- trim).
+
+    ``off_mps``: by how much the helicopter is faster at present than V.
+    """
+    return speed_mps + min(max(off_mps + gain * lag_m, -trim * speed_mps), trim * speed_mps)
 
 
 class MadeGood:

@@ -24,11 +24,17 @@ LEAST_LEG_M = 1e-3
 
 @dataclass(frozen=True)
 class Coverage:
-    """Areas [m^2]: claimed, seen of it, seen by both aircraft; and the gaps as a geometry."""
+    """Areas [m^2]: claimed, seen of it, seen by both aircraft; and the gaps as a geometry.
+
+    ``possible_m2``: of what is claimed, what a UAV in its ideal place would have left seen beside
+    the helicopter as it really flew; ``reached_m2``: what was seen of that.
+    """
 
     claimed_m2: float
     covered_m2: float
     overlap_m2: float
+    possible_m2: float
+    reached_m2: float
     gaps: BaseGeometry
     claimed: BaseGeometry
 
@@ -36,6 +42,11 @@ class Coverage:
     def percent(self) -> float:
         """Covered area / claimed area [%]."""
         return 100.0 * self.covered_m2 / self.claimed_m2
+
+    @property
+    def reached_percent(self) -> float:
+        """Covered share of what the helicopter's own track allows [%]."""
+        return 100.0 * self.reached_m2 / self.possible_m2
 
     @property
     def overlap_percent(self) -> float:
@@ -118,14 +129,18 @@ def measure(
     footprint: str,
 ) -> Coverage:
     """Compare what both aircraft saw with what the ideal formation sweeps."""
-    claimed = shapely.union_all([swath(xy, radius_m, footprint=footprint) for xy in ideal])
+    swept = [swath(xy, radius_m, footprint=footprint) for xy in ideal]
+    claimed = shapely.union_all(swept)
     first = swath(helicopter_xy, radius_m, footprint=footprint)
     second = swath(uav_xy, radius_m, footprint=footprint)
     seen = first.union(second).intersection(claimed)
+    possible = shapely.union_all([first, *swept[1:]]).intersection(claimed)
     return Coverage(
         claimed_m2=claimed.area,
         covered_m2=seen.area,
         overlap_m2=first.intersection(second).intersection(claimed).area,
+        possible_m2=possible.area,
+        reached_m2=seen.intersection(possible).area,
         gaps=claimed.difference(seen),
         claimed=claimed,
     )

@@ -22,6 +22,7 @@ HOUR_S = 3600.0
 EARLY_S = 0.5
 LATE_S = 20.0
 CORNERS = 8
+SETTLED_S = 25.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +31,7 @@ class Watched:
 
     ``delays_s``: from every corner's onset until it was foretold, infinite where it was not;
     ``alarms``: corners foretold that were none; ``withdrawn``: of all, how many were taken back;
-    ``unled_s``: for how long on legs, from 15 s after a corner on, no leg was known.
+    ``unled_s``: for how long on legs, from 25 s after a corner on, no leg was known.
     """
 
     delays_s: tuple[float, ...]
@@ -79,7 +80,7 @@ def watch(helicopter: Helicopter, gps: Gps, until_s: float) -> Watched:
 def _on_leg(corners: list[CornerTruth], time_s: float) -> bool:
     """Whether a leg has been flown for a while, and no corner has begun."""
     ends = [corner.stop_time_s for corner in corners if corner.onset_time_s <= time_s]
-    return time_s - max(ends, default=0.0) > 15.0
+    return time_s - max(ends, default=0.0) > SETTLED_S
 
 
 def matched(corners: list[CornerTruth], seen_s: list[float]) -> tuple[list[float], int]:

@@ -359,8 +359,7 @@ class HumanHelicopter:
         )
         offsets = wander(drawn[0], drawn[1], headings, shares, begin, settings)
         self.corners = [
-            self._truth(k, mark, places, headings, offsets)
-            for k, mark in enumerate(marks, start=1)
+            self._truth(k, mark, places, headings, offsets) for k, mark in enumerate(marks, start=1)
         ]
         places += offsets[:, :2]
         velocities += offsets[:, 2:]

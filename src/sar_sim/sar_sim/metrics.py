@@ -124,6 +124,7 @@ def flight_metrics(data: FlightData, area: Coverage | None) -> dict[str, Any]:
         "min_separation_m": None if best is None else float(distances[best]),
         "min_separation_s": None if best is None else float(times[best] - times[0]),
         "coverage_percent": None if area is None else area.percent,
+        "coverage_of_flown_percent": None if area is None else area.reached_percent,
         "overlap_percent": None if area is None else area.overlap_percent,
         "claimed_km2": None if area is None else area.claimed_m2 / 1e6,
         "detection_delay_s": [detection_delay_s(data, corner) for corner in data.corners],

@@ -28,7 +28,8 @@ class Mission:
 
     ``lags_m``: true L(k) at every corner's onset; ``foretold_m``: L(k+1) as the path for corner k
     was planned last, NaN where none was; ``rules``: of those paths. ``separation_m``: the closest
-    approach, at ``separation_s``. Coverage and overlap [%] and the area seen [km^2] count from the
+    approach, at ``separation_s``. Coverage, ``reached_percent`` (that of what the helicopter's own
+    track allows) and overlap [%] and the area seen [km^2] count from the
     third corner on, over ``covered_s``. ``alerts``: the monitor's, and lists passed and refused,
     counted; ``problems``: what the planner said, without numbers.
     """
@@ -40,6 +41,7 @@ class Mission:
     separation_m: float
     separation_s: float
     coverage_percent: float
+    reached_percent: float
     overlap_percent: float
     seen_km2: float
     covered_s: float
@@ -146,10 +148,11 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
 
     flight.run(observe=observe)
     world = flight.world
-    coverage, overlap, seen_km2, covered_s = math.nan, math.nan, math.nan, 0.0
+    coverage, reached, overlap, seen_km2, covered_s = math.nan, math.nan, math.nan, math.nan, 0.0
     if len(world.corners) >= COVERED_FROM_CORNER:
         area = covered(world, seen.track)
         coverage, overlap = area.percent, area.overlap_percent
+        reached = area.reached_percent
         seen_km2 = area.covered_m2 / 1e6
         covered_s = world.time_s - world.corners[COVERED_FROM_CORNER - 1].stop_time_s
     return Mission(
@@ -160,6 +163,7 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
         seen.separation_m,
         seen.separation_s,
         coverage,
+        reached,
         overlap,
         seen_km2,
         covered_s,

@@ -28,6 +28,7 @@ FAULTS: dict[str, tuple[str, ...]] = {
 }
 ODD_ACTIONS = ("other_way", "go_on", "break_off")
 
+
 class ScenarioError(ValueError):
     """A scenario that cannot be flown; the message names file, key, value and expectation."""
 
