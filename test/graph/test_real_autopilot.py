@@ -249,7 +249,7 @@ def test_a_list_into_the_helicopters_way_does_not_reach_the_autopilot(launch):
     assert 777 in offered
     assert 777 not in cleared
     assert cleared
-    assert any(t["refused_s"] == 777.0 and "list refused: " in t["reason"] for t in told)
+    assert any(t["refused_id"] == 777 * 10**9 and "list refused: " in t["reason"] for t in told)
 
 
 def times_by_autopilot(bag):

@@ -30,7 +30,7 @@ from sar_sim.autopilot_link import AutopilotLink
 from sar_sim.autopilot_server import AutopilotServer
 from sar_sim.launch_cli import free_port
 
-pytestmark = pytest.mark.timeout(120)
+pytestmark = pytest.mark.timeout(60)
 DATUM = Datum(37.8, -122.8)
 SERVER = Path(mavsdk.__file__).parent / "bin" / "mavsdk_server"
 

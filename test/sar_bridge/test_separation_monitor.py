@@ -469,13 +469,13 @@ def test_bad_parameters_are_named(changes, message):
 
 def test_the_planner_understands_what_the_monitor_says():
     bench = bench_in(Alert.ESCAPE)
-    bench.monitor.refused_s = 12.5
+    bench.monitor.refused_id = 12
     told = monitor_from_text(monitor_text(bench.monitor))
     assert told.escaping
     assert told.reason == bench.monitor.reason
-    assert told.refused_s == 12.5
+    assert told.refused_id == 12
     for text in ("", "[]", "{}", '{"alert": "none"}'):
-        with pytest.raises(ValueError, match="expected alert, reason and refused_s"):
+        with pytest.raises(ValueError, match="expected alert, reason and refused_id"):
             monitor_from_text(text)
 
 

@@ -3,89 +3,69 @@ import math
 import numpy as np
 import pytest
 
-from sar_estimator.leg import LegRow, LegTracker, fit_line, leg_fit
+from sar_estimator.leg import LegRow, LegTracker, told_of
+from sar_estimator.leg_process import LegProcess
 
 
-def straight(n, *, heading=0.6, speed=20.0, sigma=2.0, seed=0, start=0.0):
-    rng = np.random.default_rng(seed)
-    direction = speed * np.array((math.cos(heading), math.sin(heading)))
-    return [
-        LegRow(
-            start + t, *(direction * t + sigma * rng.standard_normal(2)), sigma, is_velocity=False
-        )
-        for t in range(n)
-    ]
+def tracker():
+    found = LegTracker(LegProcess(0.2))
+    found.begin(0.0, (0.0, 0.0), (20.0, 0.0))
+    return found
 
 
-def table(rows):
-    return np.array([(r.time_s, r.x, r.y, r.sigma, r.is_velocity) for r in rows], dtype=float)
+def position(time):
+    return LegRow(time, 20.0 * time, 0.0, 2.0, is_velocity=False)
 
 
-def fit_rows(rows):
-    return leg_fit(rows, fit_line(rows))
+def test_old_rows_go_into_the_process_and_new_ones_wait():
+    leg = tracker()
+    for t in range(30):
+        leg.add(position(float(t)))
+    leg.settle(20.0, 0.0)
+    assert leg.rows[:, 0].tolist() == [float(t) for t in range(20, 30)]
+    assert leg.belief.time_s == 19.0
+    assert leg.belief.means[0, 1] == pytest.approx(20.0, abs=0.5)
 
 
-def test_fit_recovers_the_line_within_its_own_sigma():
-    misses = []
-    for seed in range(40):
-        fit, misfit = fit_rows(table(straight(30, seed=seed)))
-        estimate = fit.estimate()
-        assert misfit < 4.5
-        misses.append((fit.heading_rad - 0.6) / estimate.heading_sigma_rad)
-        assert estimate.speed_mps == pytest.approx(20.0, abs=5 * estimate.speed_sigma_mps)
-    assert 0.6 < np.std(misses) < 1.4
+def test_rows_of_a_kind_too_close_are_left_out():
+    leg = tracker()
+    for i in range(100):
+        leg.add(position(0.1 * i))
+        leg.add(LegRow(0.1 * i, 20.0, 0.0, 0.1, is_velocity=True))
+    kinds = leg.rows[:, 4]
+    assert (kinds == 0.0).sum() == (kinds == 1.0).sum()
+    assert 20 <= (kinds == 0.0).sum() <= 25
 
 
-def test_few_rows_make_no_leg():
-    tracker = LegTracker(40.0)
-    for row in straight(5):
-        tracker.add(row)
-    assert tracker.fit() is None
-
-
-def test_old_course_is_forgotten_after_a_turn():
-    tracker = LegTracker(40.0)
-    rows = straight(30)
-    corner = rows[-1]
-    rows += [
-        LegRow(30.0 + t, corner.x - 20.0 * t, corner.y, 2.0, is_velocity=False) for t in range(14)
-    ]
-    for row in rows:
-        tracker.add(row)
-        fit = tracker.fit()
-    assert fit is not None
-    assert abs(fit.heading_rad) == pytest.approx(math.pi, abs=0.15)
-    assert fit.since_s >= 27.0
-
-
-def test_velocities_count_in_the_fit():
-    rows = [*straight(8, heading=0.0, sigma=5.0), LegRow(7.0, 20.0, 0.0, 0.05, is_velocity=True)]
-    fit, _ = fit_rows(table(rows))
-    assert fit.speed_mps == pytest.approx(20.0, abs=0.15)
-    projected = fit.project(table(rows))
-    assert projected.is_speed.tolist() == [False] * 8 + [True]
-    assert projected.values[-1] == pytest.approx(20.0, abs=0.01)
-
-
-def test_fit_is_the_weighted_least_squares_one():
-    rows = table([*straight(20, seed=3), LegRow(12.5, 11.0, 16.0, 0.5, is_velocity=True)])
-    rows = rows[np.argsort(rows[:, 0], kind="stable")]
-    age, fast = rows[:, :1] - rows[-1, 0], rows[:, 4:] > 0.0
-    design = np.where(fast, (0.0, 1.0), np.hstack((np.ones_like(age), age))) / rows[:, 3:4]
-    wanted, *_ = np.linalg.lstsq(design, rows[:, 1:3] / rows[:, 3:4])
-    fit, _ = fit_rows(rows)
-    assert fit.position_m == pytest.approx(wanted[0])
-    assert fit.velocity_mps == pytest.approx(wanted[1])
-    covariance = np.linalg.inv(design.T @ design)
-    assert fit.spread == pytest.approx((covariance[0, 0], covariance[0, 1], covariance[1, 1]))
-
-
-def test_a_long_leg_at_a_high_rate_keeps_its_window():
-    tracker = LegTracker(40.0)
+def test_a_long_leg_at_a_high_rate_keeps_what_is_new():
+    leg = tracker()
     for i in range(3000):
-        time = 0.41 * i
-        tracker.add(LegRow(time, 20.0 * time, 0.0, 1.0, is_velocity=False))
-        tracker.add(LegRow(time, 20.0, 0.0, 0.1, is_velocity=True))
-    kept = tracker.rows
-    assert kept[-1, 0] - kept[0, 0] <= 40.0 < kept[-1, 0] - kept[0, 0] + 0.41
-    assert tracker.fit().since_s == kept[0, 0]
+        leg.add(position(0.41 * i))
+        leg.settle(0.41 * i - 10.0, 0.0)
+    assert 20 < len(leg.rows) < 30
+    assert (np.diff(leg.rows[:, 0]) > 0.0).all()
+
+
+def test_a_table_that_is_full_grows():
+    leg = tracker()
+    for i in range(600):
+        leg.add(position(float(i)))
+    assert leg.rows[:, 0].tolist() == [float(i) for i in range(600)]
+
+
+def test_whether_velocities_come():
+    leg = tracker()
+    leg.add(position(0.0))
+    assert not leg.has_velocities
+    leg.add(LegRow(1.0, 20.0, 0.0, 0.1, is_velocity=True))
+    assert leg.has_velocities
+
+
+def test_a_leg_is_told_by_its_line_and_mean_speed():
+    means = np.array(((100.0, 12.0, 3.0, 0.4), (50.0, 16.0, -2.0, 0.1)))
+    covariance = np.diag((4.0, 0.01, 9.0, 0.25))
+    leg = told_of(7.0, means, covariance, math.atan2(16.0, 12.0))
+    assert (leg.foot.x_m, leg.foot.y_m) == (100.0, 50.0)
+    assert leg.speed_mps == pytest.approx(20.0)
+    assert (leg.position_sigma_m, leg.speed_sigma_mps) == pytest.approx((2.0, 0.1))
+    assert leg.heading_sigma_rad == pytest.approx(0.005)

@@ -9,8 +9,8 @@ from scipy.linalg import expm
 from sar_estimator.motion_filter import (
     STATES,
     MotionFilters,
-    carried,
-    models,
+    both_axes,
+    inverse_2x2,
     singer_noise,
     singer_transition,
 )
@@ -64,10 +64,6 @@ def test_velocity_update_sets_the_speed():
     motion.update_velocity((20.0, -3.0), 0.1)
     for estimate in (motion.agile(0.0).motion, motion.steady(0.0).motion):
         assert (estimate.vx_mps, estimate.vy_mps) == pytest.approx((20.0, -3.0), abs=0.01)
-
-
-def both_axes(block):
-    return np.kron(np.eye(2), block)
 
 
 def filterpy_filter(position, spread, speed_sigma):
@@ -152,14 +148,7 @@ def test_what_was_estimated_stays_as_it_was():
         assert estimate.covariance == pytest.approx(kept)
 
 
-@given(st.floats(0.05, 5.0), st.integers(0, 2**32 - 1))
-def test_carrying_on_is_the_matrix_product(dt, seed):
-    rng = np.random.default_rng(seed)
-    roots = rng.standard_normal((2, STATES, STATES))
-    states, covariances = rng.standard_normal((2, STATES)), roots @ roots.transpose(0, 2, 1)
-    transition, noises = models(round(dt, 9), 3.0, (0.2, 1.5))
-    moved, spread = carried(states, covariances, transition, noises)
-    f = both_axes(transition)
-    for n in range(2):
-        assert moved[n] == pytest.approx(f @ states[n])
-        assert spread[n] == pytest.approx(f @ covariances[n] @ f.T + both_axes(noises[n]))
+@given(st.integers(0, 2**32 - 1))
+def test_the_inverse_is_numpys(seed):
+    matrix = random_spread(np.random.default_rng(seed), 3.0)
+    assert inverse_2x2(matrix) == pytest.approx(np.linalg.inv(matrix))

@@ -205,13 +205,13 @@ def test_unknown_leg_keeps_the_list():
 def test_deceleration_outside_the_rules_is_told():
     plan = on_leg(0.0)
     plan.update(100.0)
-    plan.set_corner(corner(100.0, accel_mps2=9.0))
+    plan.set_corner(corner(100.0, accel_mps2=0.9))
     plan.set_phase(Phase.DECELERATING)
     listed = plan.update(100.5)
     assert listed.mode == "rejoin"  # the slot of the new leg is still the place to be
-    assert "deceleration 9.00: the rules expect" in plan.problem
+    assert "deceleration 0.90: the rules expect" in plan.problem
     plan.update(100.6)
-    assert "deceleration 9.00" in plan.problem  # told until the next corner
+    assert "deceleration 0.90" in plan.problem  # told until the next corner
 
 
 def test_a_path_that_is_not_safe_is_told_as_long_as_it_is_flown():

@@ -99,22 +99,25 @@ def test_leg_list_is_the_slot_track_on_the_inside(side):
 def test_shifted_slot_track_is_listed_again():
     plan = on_leg(0.0)
     assert plan.update(100.0) is not None
-    plan.set_leg(replace(leg(101.0), foot=Pose(20.0, 2.0, 0.0)))
+    plan.set_leg(replace(leg(101.0), foot=Pose(20.0, 8.0, 0.0)))
     assert plan.update(101.0) is None
-    plan.set_leg(replace(leg(102.0), foot=Pose(40.0, 8.0, 0.0)))
-    assert plan.update(102.0).points[0, 1] == pytest.approx(-242.0)
+    plan.set_leg(replace(leg(102.0), foot=Pose(40.0, 12.0, 0.0)))
+    assert plan.update(102.0).points[0, 1] == pytest.approx(-238.0)
 
 
 def test_a_small_shift_of_the_slot_track_is_listed_later():
     plan = on_leg(0.0)
     assert plan.update(100.0) is not None
-    for second in range(1, 20):
+    listed = []
+    for second in range(1, 60):
         now = 100.0 + second
         plan.set_uav(Motion(now, 20.0 * second, -250.0, 20.0, 0.0))
         plan.set_helicopter(Motion(now, 20.0 * second, 0.0, 20.0, 0.0))
-        plan.set_leg(replace(leg(now), foot=Pose(20.0 * second, 2.0, 0.0)))
-        listed = plan.update(now)
-        assert (listed is not None) == (second == 11), second
+        plan.set_leg(replace(leg(now), foot=Pose(20.0 * second, 5.0, 0.0)))
+        if plan.update(now) is not None:
+            listed.append(second)
+    # 5 m of 10 m are tolerated until 550 m are flown.
+    assert listed == [28]
 
 
 @pytest.mark.parametrize(
@@ -199,7 +202,7 @@ def test_withdrawn_corner_goes_back_to_the_leg():
     assert plan.mode is Mode.LEG
 
 
-@pytest.mark.parametrize("changes", [{"speed": 55.0}, {"accel": 9.0}])
+@pytest.mark.parametrize("changes", [{"speed": 55.0}, {"accel": 0.5}])
 def test_motion_outside_the_rules_is_told_and_not_planned(changes):
     plan = on_leg(300.0)
     plan.update(100.0)
@@ -309,12 +312,12 @@ def test_nothing_is_planned_while_the_monitor_leads_the_uav_away(rules):
 def test_a_refused_leg_is_listed_again_after_a_while():
     plan = on_leg(0.0, rules="deadbeat")
     first = plan.update(100.0)
-    refused = MonitorStatus(reason="list refused: 80 m", refused_s=first.time_s)
+    refused = MonitorStatus(reason="list refused: 80 m", refused_id=first.list_id)
     plan.set_monitor(refused)
     again = plan.update(100.1)
     assert again is not None
     assert plan.problem == "list refused: 80 m"
-    plan.set_monitor(replace(refused, refused_s=again.time_s))
+    plan.set_monitor(replace(refused, refused_id=again.list_id))
     assert plan.update(100.2) is None
     assert plan.update(102.0) is None
     assert plan.update(102.2) is not None

@@ -71,6 +71,8 @@ STARTS = [
 ]
 
 
+@pytest.mark.proof
+@pytest.mark.timeout(600)
 def test_no_plan_is_sooner_than_the_bound():
     leaving = departing(5.0, LEG, 0.0, speed_mps=20.0, accel_mps2=2.5)
     hindered = 0

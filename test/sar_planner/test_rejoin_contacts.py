@@ -26,6 +26,13 @@ from sar_planner.rejoin_hops import first_clear_s
 
 LIMITS = Limits(20.0, 18.0, 22.0, 100.0, 250.0, 205.0)
 LEG = Pose(0.0, 250.0, 0.0)
+
+
+def PROOF(test):  # noqa: N802
+    """Mark what solves the whole grid of contacts first."""
+    return pytest.mark.proof(pytest.mark.timeout(600)(test))
+
+
 CRUISE = cruising(0.0, LEG, 20.0)
 BEFORE_CRUISE = (
     departing(5.0, LEG, 0.0, speed_mps=20.0, accel_mps2=2.5),
@@ -96,6 +103,7 @@ def contacts():
     return contacts_of(LIMITS)
 
 
+@PROOF
 def test_no_plan_from_a_contact_is_sooner_than_what_is_left(contacts):
     checked = 0
     for index in range(0, len(contacts.poses), 37):
@@ -113,6 +121,7 @@ def test_no_plan_from_a_contact_is_sooner_than_what_is_left(contacts):
     ("x", "y", "heading_deg"),
     [(373.0, -182.0, 45.0), (541.0, -147.0, 48.0), (605.0, 509.0, 165.0), (150.0, 600.0, -90.0)],
 )
+@PROOF
 @pytest.mark.parametrize("forecast", [CRUISE, *BEFORE_CRUISE])
 def test_no_plan_is_sooner_than_the_bound(x, y, heading_deg, forecast):
     asked = task(x, y, heading_deg, forecast)
@@ -122,6 +131,7 @@ def test_no_plan_is_sooner_than_the_bound(x, y, heading_deg, forecast):
     assert lower_bound_s(asked, 1.2 * plan.duration_s) <= plan.duration_s
 
 
+@PROOF
 def test_the_way_round_is_known_from_ahead_of_the_slot(contacts):
     asked = task(373.0, -182.0, 45.0)
     plan = rejoin(asked)

@@ -157,3 +157,69 @@ def test_a_corner_not_foretold_yet_is_not_taken_for_the_one_before():
     going, stopping = known.forecasts(200.0)
     assert going.positions([210.0])[0] == pytest.approx((80.0, -1700.0), abs=5.0)
     assert stopping.positions([230.0])[0][1] == pytest.approx(-1580.0, abs=5.0)
+
+
+def rolled_corner(*, learnt=True):
+    """A situation in which a corner was rolled: at cruise again 6 s after it began, not 16."""
+    known = situation(Phase.CRUISE, Motion(100.0, 0.0, 0.0, 20.0, 0.0))
+    known.set_phase(Phase.DECELERATING)
+    known.set_corner(estimate())
+    known.set_helicopter(Motion(107.0, 85.0, -30.0, 0.0, -15.0))
+    known.set_phase(Phase.ACCELERATING)
+    # It passed abeam of the stop at 104 + 1, and is on its new leg as if it had left at 106.
+    foot = Pose(80.0, -20.0 * (120.0 - 106.0), -math.pi / 2)
+    leg = LegEstimate(120.0, foot, 20.0, 0.5, 0.001, 0.1 if learnt else 2.0)
+    known.set_phase(Phase.CRUISE)
+    known.set_leg(leg)
+    known.set_helicopter(Motion(200.0, 80.0, -1880.0, 0.0, -20.0))
+    return known
+
+
+def test_a_corner_that_is_rolled_is_no_slow_down_that_was_given_up():
+    assert not rolled_corner().went_on
+    given_up = situation(Phase.CRUISE, Motion(100.0, 0.0, 0.0, 20.0, 0.0))
+    given_up.set_phase(Phase.DECELERATING)
+    given_up.set_corner(estimate())
+    given_up.set_phase(Phase.CRUISE)
+    assert given_up.went_on
+
+
+def next_corner():
+    stop = Pose(80.0, -2000.0, -math.pi / 2)
+    return estimate(time_s=203.0, stop=stop, stop_time_s=208.0)
+
+
+def test_a_pilot_who_rolls_his_corners_is_expected_to_roll_the_next():
+    known = rolled_corner()
+    known.set_corner(next_corner())
+    # The stop before was passed at 104, had it been cruised to, and left, as if cruised, at 106.
+    assert known.estimate.stop == next_corner().stop
+    assert known.estimate.speed_mps / known.estimate.accel_mps2 == pytest.approx(2.0, abs=0.01)
+    passed = known.estimate.stop_time_s - 0.5 * 2.0
+    assert passed == pytest.approx(208.0 - 4.0, abs=0.01)
+
+
+def test_one_who_gets_slower_than_that_is_expected_to_stop():
+    known = rolled_corner()
+    known.set_corner(next_corner())
+    known.set_helicopter(Motion(207.0, 80.0, -1998.0, 0.0, -3.0))
+    known.set_corner(replace(next_corner(), time_s=207.0))
+    assert known.estimate.accel_mps2 == 2.5
+    assert known.corners_seen == 2
+
+
+def test_nothing_is_learnt_of_a_leg_that_is_not_known_yet():
+    known = rolled_corner(learnt=False)
+    known.set_corner(next_corner())
+    assert known.estimate.accel_mps2 == 2.5
+
+
+def test_the_same_estimate_told_again_is_the_same_corner():
+    known = situation(Phase.CRUISE, Motion(100.0, 0.0, 0.0, 20.0, 0.0))
+    assert known.set_corner(estimate())
+    planned = known.estimate
+    assert not known.set_corner(estimate())
+    assert known.estimate is planned
+    # Refined, its onset may come to lie behind the stop that was told first: still the same.
+    assert not known.set_corner(estimate(time_s=107.5, stop_time_s=110.5, accel_mps2=20.0))
+    assert known.corners_seen == 1

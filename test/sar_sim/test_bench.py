@@ -98,7 +98,7 @@ def test_a_flight_that_fails_is_one_line(monkeypatch, capsys):
 
 
 @pytest.mark.graph
-@pytest.mark.timeout(120)
+@pytest.mark.timeout(60)
 def test_memory_is_told_for_every_node(monkeypatch, tmp_path):
     monkeypatch.setenv("ROS_DOMAIN_ID", "97")
     for name, value in (("SETTLING_S", 8.0), ("GROWN_S", 20.0), ("SAMPLE_S", 1.0)):
@@ -115,7 +115,7 @@ def test_memory_is_told_for_every_node(monkeypatch, tmp_path):
 
 
 @pytest.mark.graph
-@pytest.mark.timeout(120)
+@pytest.mark.timeout(60)
 def test_a_bare_chain_passes_on(monkeypatch):
     monkeypatch.setenv("ROS_DOMAIN_ID", "98")
     monkeypatch.setattr("sar_sim.probe_node.BARE_FIXES", 5)

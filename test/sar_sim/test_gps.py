@@ -47,3 +47,27 @@ def test_recorded_track_keeps_its_times():
     assert [r.fix.time_s for r in track.due(0.0)] == [100.0]
     assert [r.fix.time_s for r in track.due(5.0)] == [102.0]
     assert NoReceiver().due(1.0) == []
+
+
+def test_errors_that_wander_have_their_size_and_their_time():
+    gps = Gps(bias_sigma_m=2.0, bias_time_s=20.0, seed=4)
+    long = PatternHelicopter(Pattern(first_leg_m=200_000.0), Pilot(), 20.0, 2.5)
+    found = []
+    for reception in SimulatedGps(long, gps, DATUM).due(9000.0):
+        x, y, _ = DATUM.to_local(reception.fix.latitude_deg, reception.fix.longitude_deg)
+        found.append((x, y - 20.0 * reception.fix.time_s))
+    found = np.array(found)[:, 0]  # the map is flat, and 180 km are not: across alone
+    assert found.std() == pytest.approx(2.0, rel=0.2)
+    alike = np.corrcoef(found[:-20], found[20:])[0, 1]
+    assert alike == pytest.approx(np.exp(-1.0), abs=0.15)
+
+
+def test_what_is_late_is_of_an_earlier_time():
+    gps = Gps(latency_s=0.1, latency_per_mps_s=0.01)
+    assert errors(gps)[10:50, 1] == pytest.approx(np.full(40, -20.0 * 0.3), abs=0.05)
+
+
+def test_the_receiver_says_how_good_it_is_as_a_whole():
+    gps = Gps(sigma_m=3.0, bias_sigma_m=4.0)
+    fix = SimulatedGps(HELICOPTER, gps, DATUM).due(1.0)[0].fix
+    assert fix.covariance_m2 == pytest.approx(25.0 * np.eye(2))

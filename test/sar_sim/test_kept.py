@@ -102,7 +102,7 @@ def test_nothing_is_kept_without_a_file():
     assert kept.get("", 1, Result) is None
 
 
-@pytest.mark.timeout(120)
+@pytest.mark.timeout(60)
 def test_a_cluster_that_loses_a_worker_loses_and_doubles_no_row(tmp_path):
     """A scheduler and two workers in processes of their own; one is killed on the way."""
     file, seeds = tmp_path / "kept.jsonl", range(8)

@@ -28,11 +28,13 @@ def mission(seed, lags_m, separation_m, separation_s, alerts):
         separation_m,
         separation_s,
         coverage_percent=99.0,
+        reached_percent=99.5,
         overlap_percent=20.0,
         seen_km2=10.0,
         covered_s=1800.0,
         corrections=1,
         lists=9,
+        false_corners=1,
         flown_s=900.0,
         alerts=alerts,
         problems=frozenset(),
@@ -50,11 +52,19 @@ def test_extra_path_and_rate():
 
 def test_what_the_monitor_did_is_added_up():
     assert watched([ONE, OTHER]) == (
-        "0.5 h flown: escapes 1, warnings 0, cautions 2; lists passed 0, refused 0"
+        "0.5 h flown: false corners 2, escapes 1, warnings 0, cautions 2; lists passed 0, refused 0"
     )
 
 
 def test_rejoin_from_random_starts(capsys):
+    assert rejoin_trials(["--starts", "20", "--jobs", "1", "--bound", "free"]) == 0
+    line = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("all"))
+    assert "20 starts: on the slot within 10 m and 2 deg 100.00%, apart 100.00%" in line
+
+
+@pytest.mark.proof
+@pytest.mark.timeout(900)
+def test_rejoin_from_more_random_starts_with_its_bound(capsys):
     assert rejoin_trials(["--starts", "40", "--jobs", "2"]) == 0
     line = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("all"))
     assert "40 starts: on the slot within 10 m and 2 deg 100.00%, apart 100.00%" in line

@@ -122,7 +122,7 @@ def test_results_folder(flown):
     assert all(abs(extra) < 1.0 for extra in metrics["extra_path_m"])
     assert metrics["min_separation_m"] > 150.0
     assert 98.0 < metrics["coverage_percent"] <= 100.0
-    assert metrics["detection_delay_s"] == pytest.approx([2.0, 2.0], abs=0.6)
+    assert metrics["detection_delay_s"] == pytest.approx([1.0, 1.0], abs=0.6)
     page = (out / "report.html").read_text()
     assert page.count("data:image/png;base64,") == 3
     assert "http" not in page.replace("http-equiv", "")

@@ -22,8 +22,8 @@ def mission(seed, lag):
     rng = np.random.default_rng(seed)
     lags = tuple(lag * rng.uniform(0.9, 1.1, 12))
     return Mission(
-        seed, lags, lags, ("T1", "T2") * 6, 150.0 + seed, 60.0, 99.0 + 0.1 * seed, 10.0, 15.0,
-        1800.0, 3, 40, 2400.0, ALERTS, frozenset(),
+        seed, lags, lags, ("T1", "T2") * 6, 150.0 + seed, 60.0, 99.0 + 0.1 * seed, 99.5, 10.0, 15.0,
+        1800.0, 3, 40, 0, 2400.0, ALERTS, frozenset(),
     )  # fmt: skip
 
 

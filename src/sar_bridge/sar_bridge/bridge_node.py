@@ -28,6 +28,7 @@ from sar_estimator.geodesy import Datum
 from sar_estimator.messages import (
     diagnostics,
     from_stamp,
+    list_id_of,
     motion_to_odometry,
     path_climb_m,
     path_to_points,
@@ -125,7 +126,7 @@ class BridgeNode(Node):
         if uploaded is not self._told_upload and uploaded is not None and self._running:
             self._told_upload = uploaded
             values = {
-                "stamp_s": uploaded.stamp_s,
+                "list_id": uploaded.list_id,
                 "waypoints": uploaded.items,
                 "upload_ms": round(1e3 * uploaded.duration_s, 1),
             }
@@ -172,7 +173,7 @@ class BridgeNode(Node):
         self._link.send(
             self._session.set_list(
                 points,
-                stamp,
+                list_id_of(message),
                 datum,
                 time.monotonic(),
                 climb_m=path_climb_m(message),

@@ -45,8 +45,8 @@ class Address:
 class MissionUpload:
     """Uploads one list at a time. Times are of any monotonic clock [s].
 
-    ``state`` tells how far it is, ``failure`` why it ended in ``FAILED``, ``token`` the stamp [s]
-    of the list.
+    ``state`` tells how far it is, ``failure`` why it ended in ``FAILED``, ``token`` the
+    identity of the list.
     """
 
     def __init__(self, target: Address) -> None:
@@ -54,7 +54,7 @@ class MissionUpload:
         self.target = target
         self.state = UploadState.IDLE
         self.failure = ""
-        self.token = 0.0
+        self.token = 0
         self.started_s = 0.0
         self.finished_s = 0.0
         self._items: list[MissionItem] = []
@@ -76,7 +76,7 @@ class MissionUpload:
         return self._first + len(self._items)
 
     def start(
-        self, items: list[MissionItem], token: float, now_s: float, *, at: int | None = None
+        self, items: list[MissionItem], token: int, now_s: float, *, at: int | None = None
     ) -> list[mavlink.MAVLink_message]:
         """Begin to upload ``items``, superseding any other; return what to send.
 

@@ -26,7 +26,7 @@ from sar_bridge.separation_monitor import (
 from sar_estimator import topics
 from sar_estimator.messages import (
     diagnostics,
-    from_stamp,
+    list_id_of,
     odometry_sigmas,
     odometry_to_leg,
     odometry_to_motion,
@@ -141,7 +141,7 @@ class MonitorNode(Node):
 
     def _on_uploaded(self, message: String) -> None:
         try:
-            self._monitor.set_uploaded(float(json.loads(message.data)["stamp_s"]))
+            self._monitor.set_uploaded(int(json.loads(message.data)["list_id"]))
         except (KeyError, TypeError, ValueError) as error:
             self.get_logger().warning(f"{topics.UPLOADED}: {error}", throttle_duration_sec=5.0)
 
@@ -162,12 +162,12 @@ class MonitorNode(Node):
             self._senders[topics.CLEARED].publish(message)
             self._tell()
             return
-        stamp, now = from_stamp(message.header.stamp), now_s(self)
+        now = now_s(self)
         self._early = None
         if self._monitor.unseen:
             self._early = message
         elif self._monitor.passes(
-            path_to_points(message), stamp, now, speed_mps=path_speed_mps(message)
+            path_to_points(message), list_id_of(message), now, speed_mps=path_speed_mps(message)
         ):
             self._senders[topics.CLEARED].publish(message)
         else:

@@ -165,8 +165,8 @@ class SeparationMonitor:
     """Gate and guard. It is told what is known, and asked about lists, and what is to be done.
 
     ``alert``: the state of the list being flown. ``nearest``: its closest approach in prediction.
-    ``reason``: why the newest list was refused, or the UAV was sent away. ``refused_s``: the stamp
-    of the newest list where it did not pass, else 0. ``counts``: how often each alert began, and
+    ``reason``: why the newest list was refused, or the UAV was sent away. ``refused_id``: of
+    the newest list where it did not pass, else 0. ``counts``: how often each alert began, and
     lists passed and were refused. ``thresholds``: the distances [m] of ``parameters``.
     """
 
@@ -181,14 +181,14 @@ class SeparationMonitor:
         self.alert = Alert.NONE
         self.nearest = NO_APPROACH
         self.reason = ""
-        self.refused_s = 0.0
+        self.refused_id = 0
         self.escape: Escape | None = None
         self.counts = dict.fromkeys((*Alert, "passed", "refused"), 0)
         self.thresholds = parameters.thresholds()
         count = round(parameters.horizon_s / STEP_S) + 1
         self._times: FloatArray = STEP_S * np.arange(count, dtype=np.float64)
         self._flown: Route | None = None
-        self._cleared: dict[float, Offered] = {}
+        self._cleared: dict[int, Offered] = {}
         self._clear_since_s = math.inf
         self._near_since_s = self._conflict_since_s = math.inf
         self._sure_s = math.inf
@@ -214,12 +214,12 @@ class SeparationMonitor:
         if math.isfinite(math.hypot(*wind_mps)):
             self.wind_mps = wind_mps
 
-    def set_uploaded(self, stamp_s: float) -> None:
-        """Take note that the autopilot flies the list of a stamp."""
-        cleared = self._cleared.pop(stamp_s, None)
+    def set_uploaded(self, list_id: int) -> None:
+        """Take note that the autopilot flies a list."""
+        cleared = self._cleared.pop(list_id, None)
         if cleared is None or self.uav is None:
             return
-        self._cleared = {s: held for s, held in self._cleared.items() if s > stamp_s}
+        self._cleared = {one: held for one, held in self._cleared.items() if one > list_id}
         if self.escape is None:
             self._flown = cleared.route(self.uav)
 
@@ -233,7 +233,7 @@ class SeparationMonitor:
         self._flown = self.escape = None
         self._cleared.clear()
         self.alert, self.nearest, self.reason = Alert.NONE, NO_APPROACH, ""
-        self.refused_s = 0.0
+        self.refused_id = 0
 
     @property
     def guarding(self) -> bool:
@@ -258,7 +258,7 @@ class SeparationMonitor:
     # Gate --------------------------------------------------------------------------------------
 
     def passes(
-        self, points: FloatArray, stamp_s: float, now_s: float, *, speed_mps: float | None = None
+        self, points: FloatArray, list_id: int, now_s: float, *, speed_mps: float | None = None
     ) -> bool:
         """Return whether a list, shape (n, 2) [m], may be uploaded; ``reason`` says why not.
 
@@ -271,12 +271,12 @@ class SeparationMonitor:
         if refusal:
             self.reason = refusal
             if not self.parameters.watch_only:
-                self.refused_s = stamp_s
+                self.refused_id = list_id
                 return False
         elif self.escape is None:
             self.reason = ""
-        self.refused_s = 0.0
-        self._cleared[stamp_s] = offered
+        self.refused_id = 0
+        self._cleared[list_id] = offered
         return True
 
     def _refusal(self, offered: Offered, now_s: float) -> str:
@@ -496,7 +496,7 @@ def monitor_text(monitor: SeparationMonitor) -> str:
         {
             "alert": monitor.alert,
             "reason": monitor.reason,
-            "refused_s": monitor.refused_s,
+            "refused_id": monitor.refused_id,
             "watch_only": monitor.parameters.watch_only,
             "thresholds": monitor.thresholds,
             "counts": monitor.counts,
@@ -517,7 +517,7 @@ class MonitorNews:
 
     def of(self, monitor: SeparationMonitor) -> str | None:
         """Return a monitor's state; None where it is what was returned last."""
-        state = monitor.alert, monitor.reason, monitor.refused_s, *monitor.counts.values()
+        state = monitor.alert, monitor.reason, monitor.refused_id, *monitor.counts.values()
         if state == self._state:
             return None
         self._state, self.told = state, monitor_text(monitor)

@@ -46,7 +46,7 @@ Messages = list[mavlink.MAVLink_message]
 class Uploaded:
     """A list the autopilot has accepted: its identity, size, and how long the upload took."""
 
-    stamp_s: float
+    list_id: int
     items: int
     duration_s: float
 
@@ -81,7 +81,7 @@ class AutopilotSession:
         self._reboots = 0
         self._commands: CommandQueue | None = None
         self._points: FloatArray | None = None
-        self._stamp_s = 0.0
+        self._list_id = 0
         self._sent: FloatArray = np.empty((0, 2))
         self._climb_m = 0.0
         self._datum: Datum | None = None
@@ -99,7 +99,7 @@ class AutopilotSession:
     def set_list(
         self,
         points: FloatArray,
-        stamp_s: float,
+        list_id: int,
         datum: Datum,
         now_s: float,
         *,
@@ -122,7 +122,7 @@ class AutopilotSession:
         if self._points is None:
             self._engaging = may_engage
             self._mode_flown = self.state.mode
-        self._points, self._stamp_s, self._datum = points, stamp_s, datum
+        self._points, self._list_id, self._datum = points, list_id, datum
         self._climb_m = climb_m
         return self._start_upload(now_s)
 
@@ -301,17 +301,17 @@ class AutopilotSession:
         if not self.state.ardupilot:
             altitude = self.altitude_m + self._climb_m
             items = waypoint_items(self._points, self._datum, altitude)[1:]
-            return self._upload.start(items, self._stamp_s, now_s)
+            return self._upload.start(items, self._list_id, now_s)
         if self.state.mode == "AUTO" and self._banks.takes(self._points):
             current, climb = self.state.current_item, self._climb_m
             write = self._banks.fill(self._points, self._datum, current, climb_m=climb)
             return self._write(write, now_s)
         whole = self._banks.whole(self._points, self._datum, climb_m=self._climb_m)
-        return self._upload.start(whole, self._stamp_s, now_s)
+        return self._upload.start(whole, self._list_id, now_s)
 
     def _write(self, write: Write, now_s: float) -> Messages:
         assert self._upload is not None
-        token = self._stamp_s if self._joining is None else self._upload.token
+        token = self._list_id if self._joining is None else self._upload.token
         return self._upload.start(list(write.items), token, now_s, at=write.start)
 
     def _accepted(self, now_s: float) -> Messages:
@@ -341,7 +341,7 @@ class AutopilotSession:
             out += self._make_current(ahead + (1 if self.state.ardupilot else 0), now_s)
         self._joining = None
         token = self._upload.token
-        if self.uploaded is None or self.uploaded.stamp_s != token:
+        if self.uploaded is None or self.uploaded.list_id != token:
             self.uploaded = Uploaded(token, len(self._sent), now_s - self._begun_s)
         if self._engaging and self.state.mode == "GUIDED":
             out += self._mode_command("AUTO", now_s)

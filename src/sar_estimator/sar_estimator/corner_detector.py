@@ -190,7 +190,7 @@ def _projected(
 @compiled("int64(float64[:, ::1], float64)")
 def _first_after(seen: FloatArray, time_s: float) -> int:
     """Return the number of the first row later than a time [s]."""
-    first = seen.shape[0]
+    first: int = seen.shape[0]
     while first > 0 and seen[first - 1, SEEN] > time_s:
         first -= 1
     return first
@@ -199,7 +199,7 @@ def _first_after(seen: FloatArray, time_s: float) -> int:
 @compiled("float64(float64[::1])")
 def _log_sum(logs: FloatArray) -> float:
     """Return log(sum(exp(logs)))."""
-    most, total = logs.max(), 0.0
+    most, total = float(logs.max()), 0.0
     for one in logs:
         if one - most > NEGLIGIBLE_LOG:
             total += math.exp(one - most)
@@ -231,8 +231,9 @@ def _weighed(
     """Return log Bayes factors of slowing and turning, and the turn's acceleration, left positive.
 
     Slowing is held against the leg alone or a small change of speed, turning against the leg alone
-    or a small change of course: both can happen at once, and along and across are independent. ``excess_along``, ``excess_across``: by
-    how much the innovations' variances are larger than the filter has them.
+    or a small change of course: both can happen at once, and along and across are independent.
+    ``excess_along``, ``excess_across``: by how much the innovations' variances are larger than the
+    filter has them.
     """
     count = onsets_s.size
     slowing = np.empty((count, accels_mps2.size))

@@ -6,9 +6,16 @@ import math
 
 import numpy as np
 
-from sar_estimator.corner_detector import AccelPrior, StopPosterior, Watch, stop_posterior, watch
+from sar_estimator.corner_detector import (
+    AccelPrior,
+    StopPosterior,
+    Watch,
+    filtered,
+    stop_posterior,
+    watch,
+)
 from sar_estimator.leg import LegRow, LegTracker, told_of
-from sar_estimator.leg_process import LegProcess
+from sar_estimator.leg_process import TIME, LegProcess
 from sar_estimator.parameters import EstimatorParameters
 from sar_estimator.plane import Pose, wrap_angle
 from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
@@ -29,6 +36,8 @@ KNOWN_SPEED_SIGMA_MPS = 0.8
 KNOWN_AFTER_S = 10.0
 MISFIT_LIMIT = 5.0
 NEWEST_S = 3.0
+ONSET_SIGMA_S = 1.0
+WITHDRAWN_SHARE = 0.2
 STILL_ON_RAD = math.radians(15.0)
 STILL_ON_MPS = 4.0
 STRAIGHT_AGAIN_S = 4.0
@@ -170,7 +179,19 @@ class CornerTracker:
             self._turning_since_s = motion.time_s
             self._roll(seen, motion)
         else:
-            self._publish(self._infer(motion), motion)
+            posterior = self._infer(motion)
+            onset_s = posterior.stop_time_s - posterior.speed_mps / posterior.accel_mps2
+            self._tell_before(onset_s - ONSET_SIGMA_S)
+            self._publish(posterior, motion)
+
+    def _tell_before(self, onset_s: float) -> None:
+        """Tell of the leg as it was before a corner began, which the newest rows bend."""
+        assert self._heading_rad is not None
+        rows = self._tracker.rows
+        rows = rows[rows[:, TIME] < onset_s]
+        if len(rows):
+            *_, means, spread = filtered(rows, *self._tracker.belief[:-2], self._heading_rad)
+            self.leg = told_of(float(rows[-1, TIME]), means, spread, self._heading_rad)
 
     def _infer(self, motion: Motion) -> StopPosterior:
         assert self._heading_rad is not None
@@ -254,7 +275,7 @@ class CornerTracker:
         overdue_s = motion.time_s - self._posterior.stop_time_s
         moving = along > STOPPED_SHARE * cruise
         if (
-            self._posterior.log_bayes_factor < 0.0
+            self._posterior.log_bayes_factor < WITHDRAWN_SHARE * self._needed
             or along > max(0.6 * cruise, expected + 0.4 * cruise)
             or (moving and overdue_s > STOP_CONFIRM_S)
         ):

@@ -151,7 +151,11 @@ class HelicopterEstimator:
                 continue
             estimate = filters.agile(row.time_s)
             known = estimate.covariance[1, 1] + estimate.covariance[4, 4]
-            error = math.hypot(row.x - estimate.motion.vx_mps, row.y - estimate.motion.vy_mps)
+            # As foretold, or as it was: a wrong one before makes the filter expect an acceleration.
+            error = min(
+                math.hypot(row.x - motion.vx_mps, row.y - motion.vy_mps)
+                for motion in (estimate.motion, filters.agile(filters.time_s).motion)
+            )
             steady_sigma = math.sqrt(row.sigma**2 + min(known, KNOWN_SPEED_MPS**2))
             if known < UNSETTLED_SPEED_MPS**2 and error > 5.0 * steady_sigma + TOP_ACCEL_MPS2 * dt:
                 self.refused_velocities += 1

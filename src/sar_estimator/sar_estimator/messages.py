@@ -59,10 +59,24 @@ class Estimates(Protocol):
         ...
 
 
+NANOSECONDS = 1_000_000_000
+
+
 def to_stamp(time_s: float) -> Time:
     """Return a time [s] as a stamp."""
-    nanoseconds = round(time_s * 1e9)
-    return Time(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
+    return _stamp_of(round(time_s * 1e9))
+
+
+def _stamp_of(nanoseconds: int) -> Time:
+    return Time(sec=nanoseconds // NANOSECONDS, nanosec=nanoseconds % NANOSECONDS)
+
+
+def list_id_of(path: Path) -> int:
+    """Return the identity of a waypoint list: its stamp in whole nanoseconds.
+
+    An integer: seconds as a float differ by how they were worked out.
+    """
+    return int(path.header.stamp.sec) * NANOSECONDS + int(path.header.stamp.nanosec)
 
 
 def from_stamp(stamp: Time) -> float:
@@ -326,16 +340,21 @@ def path_to_corner(path: Path, covariance: FloatArray | None = None) -> CornerEs
 
 
 def points_to_path(
-    points: FloatArray, time_s: float, *, climb_m: float = 0.0, speed_mps: float | None = None
+    points: FloatArray,
+    time_s: float,
+    *,
+    climb_m: float = 0.0,
+    speed_mps: float | None = None,
+    list_id: int | None = None,
 ) -> Path:
     """Return points, shape (n, 2) [m], as a path; no points withdraw the list.
 
     ``climb_m``: how far above the usual altitude they are flown; it becomes their z. ``speed_mps``:
     over ground, as planned; each pose is then stamped with when it is passed, counted from the
-    first.
+    first. ``list_id``: of the list, that of its time where none is given.
     """
     path = Path()
-    path.header.stamp = to_stamp(time_s)
+    path.header.stamp = to_stamp(time_s) if list_id is None else _stamp_of(list_id)
     path.header.frame_id = FRAME
     flown_m = 0.0
     for i, (x, y) in enumerate(points.tolist()):

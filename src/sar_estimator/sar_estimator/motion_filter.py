@@ -54,6 +54,11 @@ def singer_noise(dt_s: float, tau_s: float, sigma_mps2: float) -> FloatArray:
     return 2.0 * a * sigma_mps2**2 * np.array([[pp, pv, pa], [pv, vv, va], [pa, va, aa]])
 
 
+def both_axes(block: FloatArray) -> FloatArray:
+    """Return the matrix, shape (6, 6), that does to both axes what one, (3, 3), does to one."""
+    return np.asarray(np.kron(np.eye(2), block), dtype=np.float64)
+
+
 @lru_cache(maxsize=512)
 def models(
     dt_s: float, tau_s: float, sigmas_mps2: tuple[float, ...]
@@ -62,8 +67,8 @@ def models(
 
     Ticks come at the same few times after a fix again and again. Not to be written to.
     """
-    transition = np.kron(np.eye(2), singer_transition(dt_s, tau_s))
-    noises = tuple(np.kron(np.eye(2), singer_noise(dt_s, tau_s, sigma)) for sigma in sigmas_mps2)
+    transition = both_axes(singer_transition(dt_s, tau_s))
+    noises = tuple(both_axes(singer_noise(dt_s, tau_s, sigma)) for sigma in sigmas_mps2)
     for model in (transition, *noises):
         model.setflags(write=False)
     return transition, noises
@@ -73,7 +78,7 @@ def inverse_2x2(matrix: FloatArray) -> FloatArray:
     """Return the inverse of a matrix, shape (2, 2). A library's own takes ten times as long."""
     (a, b), (c, d) = matrix.tolist()
     determinant = a * d - b * c
-    return np.array(((d, -b), (-c, a))) / determinant
+    return np.array(((d / determinant, -b / determinant), (-c / determinant, a / determinant)))
 
 
 def _surprise(

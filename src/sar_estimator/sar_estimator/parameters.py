@@ -15,7 +15,7 @@ class EstimatorParameters:
     with each other after which the filter starts again there. lost_after_s: without a usable fix.
     restart_after_s: gap after which the filter starts again. accel_tau_s, cruise_accel_sigma_mps2,
     turn_accel_sigma_mps2: Singer model on legs and in corners. wander_prior_mps: rms
-    velocity with which a pilot is expected to wander before he was seen to fly, to a factor of three.
+    velocity with which a pilot is taken to wander before he was seen to fly, to a factor of three.
     detect_log_bayes: evidence for a corner that is called a detection, and how
     much more without velocities. accel_prior_mps2,
     accel_prior_spread: deceleration expected before any corner was seen. min_cruise_mps: slowest
@@ -33,7 +33,7 @@ class EstimatorParameters:
     turn_accel_sigma_mps2: float = 3.0
     wander_prior_mps: float = 0.2
     detect_log_bayes: float = 5.25
-    detect_positions_extra: float = 1.25
+    detect_positions_extra: float = 1.0
     accel_prior_mps2: float = 2.5
     accel_prior_spread: float = 0.3
     min_cruise_mps: float = 5.0

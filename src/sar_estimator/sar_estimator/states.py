@@ -121,7 +121,17 @@ class CornerEstimate:
         """S = V^2 / 2a [m]."""
         return self.speed_mps**2 / (2.0 * self.accel_mps2)
 
+    def changed_m(self, other: CornerEstimate) -> float:
+        """Return by how much another estimate differs: in place, or in time at cruise [m]."""
+        moved = math.hypot(other.stop.x_m - self.stop.x_m, other.stop.y_m - self.stop.y_m)
+        return max(moved, abs(other.stop_time_s - self.stop_time_s) * self.speed_mps)
+
     @property
     def onset_time_s(self) -> float:
         """When the deceleration began [s]."""
         return self.stop_time_s - self.speed_mps / self.accel_mps2
+
+
+def list_id_at(time_s: float, last_id: int = 0) -> int:
+    """Return the identity of a list made at a time [s], another one than that of the last list."""
+    return max(round(time_s * 1e9), last_id + 1)

@@ -224,10 +224,11 @@ class DeadbeatPilot(Pilot):
         estimate, k = self._s.estimate, self._s.corners_seen
         if estimate is None or k == self._done_corner or self._s.went_on:
             return None
-        again = self.active is not None and self.active.k == k
-        if again and self.active is not None and self.active.committed:
+        before = self.active if self.active is not None and self.active.k == k else None
+        if estimate is self._planned or (before is not None and before.committed):
             return None
-        if estimate is self._planned or (again and not self._is_news(estimate)):
+        tolerance_m = self._mission.corner_tolerance_m
+        if before is not None and before.estimate.changed_m(estimate) <= tolerance_m:
             return None
         self._planned = estimate
         corner = self._corner
@@ -243,7 +244,7 @@ class DeadbeatPilot(Pilot):
         plan, self._hurry = planned
         uav = self._s.uav
         assert uav is not None
-        first_stop = self.active.first_stop if again and self.active else estimate.stop
+        first_stop = estimate.stop if before is None else before.first_stop
         self.active = ActiveCorner(k, estimate, frame, plan, first_stop, uav.speed_mps)
         self._holding = False
         slot = self._s.slot_frame(forecasts[0].leg)
@@ -261,19 +262,6 @@ class DeadbeatPilot(Pilot):
         )
         self._commit_when_due(now_s)
         return str(plan.rule), self._list_of(path, from_m=flown)
-
-    def _is_news(self, estimate: CornerEstimate) -> bool:
-        """Whether a corner is so much otherwise than it was planned that a new list is worth it.
-
-        The lag that is left otherwise is taken out on the leg.
-        """
-        assert self.active is not None
-        planned = self.active.estimate
-        moved_m = math.hypot(
-            estimate.stop.x_m - planned.stop.x_m, estimate.stop.y_m - planned.stop.y_m
-        )
-        later_m = abs(estimate.stop_time_s - planned.stop_time_s) * estimate.speed_mps
-        return max(moved_m, later_m) > self._mission.corner_tolerance_m
 
     def _rule_plan(
         self, estimate: CornerEstimate, frame: CornerFrame, now_s: float
@@ -584,13 +572,6 @@ class DeadbeatPilot(Pilot):
 
     # Legs --------------------------------------------------------------------------------------
 
-    def _off_mps(self, forecast: Forecast) -> float:
-        """Return by how much the helicopter is faster now than it is on its leg's average."""
-        helicopter = self._s.helicopter
-        assert helicopter is not None
-        off = helicopter.course_rad - forecast.leg.heading_rad
-        return helicopter.speed_mps * math.cos(off) - forecast.speed_mps
-
     def _on_slot(self, now_s: float, forecast: Forecast) -> bool:
         return is_on_track(self._uav_in(self._s.slot_frame(forecast.leg), now_s))
 
@@ -608,7 +589,7 @@ class DeadbeatPilot(Pilot):
         self.speed_mps = trimmed_mps(
             lag - self.kept_lag_m,
             forecast.speed_mps,
-            off_mps=self._mission.trim_follow * self._off_mps(forecast),
+            off_mps=self._mission.trim_follow * forecast.faster_mps(self._s.helicopter),
             gain=self._mission.trim_gain,
             trim=self._mission.speed_trim,
         )

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sar_estimator.plane import Pose
+from sar_estimator.states import Motion
 from sar_planner.geometry import CornerFrame, FloatArray
 
 
@@ -83,6 +84,13 @@ class Forecast:
     def slot_x_m(self, time_s: float) -> float:
         """Return x [m] of the slot at ``time_s``, for a forecast in the slot's frame."""
         return self.leg.x_m + self.along_m(time_s)
+
+    def faster_mps(self, helicopter: Motion | None) -> float:
+        """Return by how much the helicopter flies faster along the leg than foretold [m/s]."""
+        if helicopter is None:
+            return 0.0
+        off = helicopter.course_rad - self.leg.heading_rad
+        return helicopter.speed_mps * math.cos(off) - self.speed_mps
 
     @property
     def steady_s(self) -> float:

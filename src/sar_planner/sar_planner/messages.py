@@ -46,7 +46,12 @@ COLOURS = {
 
 def list_to_path(waypoints: WaypointList) -> Path:
     """Return a waypoint list as a path: the whole list; its stamp is its identity."""
-    return points_to_path(waypoints.points, waypoints.time_s, speed_mps=waypoints.speed_mps)
+    return points_to_path(
+        waypoints.points,
+        waypoints.time_s,
+        speed_mps=waypoints.speed_mps,
+        list_id=waypoints.list_id,
+    )
 
 
 def corner_record(active: ActiveCorner, waypoints: WaypointList) -> dict[str, Any]:
@@ -184,10 +189,10 @@ def monitor_from_text(text: str) -> MonitorStatus:
     try:
         values = json.loads(text)
         return MonitorStatus(
-            values["alert"] == "escape", str(values["reason"]), float(values["refused_s"])
+            values["alert"] == "escape", str(values["reason"]), int(values["refused_id"])
         )
     except (KeyError, TypeError, ValueError) as error:
-        raise ValueError(f"{text[:80]!r}: expected alert, reason and refused_s") from error
+        raise ValueError(f"{text[:80]!r}: expected alert, reason and refused_id") from error
 
 
 def vehicle_from_text(text: str) -> Vehicle:

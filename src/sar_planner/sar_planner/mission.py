@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
+from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase, list_id_at
 from sar_planner.deadbeat_pilot import DeadbeatPilot
 from sar_planner.follow_pilot import FollowPilot
 from sar_planner.geometry import FloatArray
@@ -47,25 +47,27 @@ class UavStatus:
 class MonitorStatus:
     """What the separation monitor says: whether it leads the UAV away, and why.
 
-    ``refused_s``: the stamp of the newest list that it did not let pass, 0 for none.
+    ``refused_id``: of the newest list that it did not let pass, 0 for none.
     """
 
     escaping: bool = False
     reason: str = ""
-    refused_s: float = 0.0
+    refused_id: int = 0
 
 
 @dataclass(frozen=True)
 class WaypointList:
     """A whole list for the autopilot: ``points``, shape (n, 2) [m] in the map.
 
-    ``speed_mps``: the ground speed a path is planned with; None for a slot track.
+    ``list_id``: by which planner, monitor and bridge tell it from others. ``speed_mps``: the ground
+    speed a path is planned with; None for a slot track.
     """
 
     number: int
     time_s: float
     mode: str
     points: FloatArray
+    list_id: int
     speed_mps: float | None = None
 
 
@@ -99,7 +101,7 @@ class MissionPlanner:
         self.vehicle = Vehicle({})
         self.wind_mps = (0.0, 0.0)
         self._in_auto = False
-        self._lists = 0
+        self._lists = self._list_id = 0
         self._told_mps = self._course_rad = 0.0
         self._retry_s = -math.inf
         self._new = True
@@ -338,7 +340,10 @@ class MissionPlanner:
             return None
         self._lists += 1
         planned = None if self.mode in (Mode.LEG, Mode.HOLD) else speed
-        self.list = WaypointList(self._lists, now_s, name, points[:MAX_WAYPOINTS], planned)
+        self._list_id = list_id_at(now_s, self._list_id)
+        self.list = WaypointList(
+            self._lists, now_s, name, points[:MAX_WAYPOINTS], self._list_id, planned
+        )
         return self.list
 
     def _refused(self, now_s: float) -> str:
@@ -346,7 +351,7 @@ class MissionPlanner:
 
         A leg's or a hold's is made again after a while; a path is corrected as the UAV leaves it.
         """
-        if self.list is None or self.monitor.refused_s != self.list.time_s:
+        if self.list is None or self.monitor.refused_id != self.list.list_id:
             return ""
         if now_s > self._retry_s and self.mode in (Mode.LEG, Mode.HOLD):
             self._retry_s = now_s + REFUSED_RETRY_S

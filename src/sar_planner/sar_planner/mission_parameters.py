@@ -19,25 +19,26 @@ class MissionParameters:
 
     turn_side: 1 for right-turn patterns, -1 for left. rules: rule set. arc_spacing_m: between
     waypoints on arcs, 0 for arc ends only, for autopilots that fly the waypoints' polygon;
-    guide_spacing_m: between those for an L1-guided autopilot. turn_share: its turn rate at a bank,
-    over a coordinated turn's. roll_lag_s: from its demand to the bank. speed_lead_s: how far ahead
-    of the UAV the airspeed is chosen for. reaction_s: from a decision to the autopilot flying the
-    new list. horizon_m: how far ahead of the UAV the list reaches. slot_tolerance_m: shift of the
-    slot track that is worth a new list at once, half of it every 550 m later, down to 0.3. capture_m: from the UAV to
-    the first waypoint of a slot track. loiter_radius_m: of the circle a list ends in, as flown.
-    stale_s: age at which a position is no longer planned with. speed_range: speeds of the
-    helicopter, relative to V, that the rules are used for; accel_range: decelerations likewise.
-    speed_trim: share of V by which the UAV may be asked to fly faster or slower (deadbeat rules);
-    corner_hurry: by which it flies faster in weaves. trim_gain: speed asked for per metre of lag
-    [1/s]; trim_follow: share of what the helicopter flies faster at present than on average that
-    is asked for too. corner_tolerance_m: by which the stop ahead, or V times its time, must
-    change to be planned anew. lag_tolerance_m: predicted lag at the end of a path that is worth a correction, and
-    far_tolerance: at least this share of what is left of it. correction_s: least time between two
-    corrections; settling_s: for how long after one the UAV may be beside its new path, and nearer
-    than the margin to the helicopter, without another. ahead_m: how far ahead of its slot the UAV
-    may be on a leg before it is led back to it. separation_margin_m: planned beyond the least
-    separation where that costs nothing. bias_gain: share of the newest corner's extra path in what
-    is expected of the next.
+    guide_spacing_m: between those for an L1-guided autopilot. turn_share: its turn rate at a
+    bank, over a coordinated turn's. roll_lag_s: from its demand to the bank. speed_lead_s: how
+    far ahead of the UAV the airspeed is chosen for. reaction_s: from a decision to the autopilot
+    flying the new list. horizon_m: how far ahead of the UAV the list reaches. slot_tolerance_m:
+    shift of the slot track that is worth a new list at once, half of it every 550 m later, down
+    to 0.3. capture_m: from the UAV to the first waypoint of a slot track. loiter_radius_m: of the
+    circle a list ends in, as flown. stale_s: age at which a position is no longer planned with.
+    speed_range: speeds of the helicopter, relative to V, that the rules are used for;
+    accel_range: decelerations likewise. speed_trim: share of V by which the UAV may be asked to
+    fly faster or slower (deadbeat rules); corner_hurry: by which it flies faster in weaves.
+    trim_gain: speed asked for per metre of lag [1/s]; trim_follow: share of what the helicopter
+    flies faster at present than on average that is asked for too. corner_tolerance_m: by which
+    the stop ahead, or V times its time, must change to be planned anew. lag_tolerance_m:
+    predicted lag at the end of a path that is worth a correction, and far_tolerance: at least
+    this share of what is left of it. correction_s: least time between two corrections;
+    settling_s: for how long after one the UAV may be beside its new path, and nearer than the
+    margin to the helicopter, without another. ahead_m: how far ahead of its slot the UAV may be
+    on a leg before it is led back to it. separation_margin_m: planned beyond the least separation
+    where that costs nothing. bias_gain: share of the newest corner's extra path in what is
+    expected of the next.
     """
 
     turn_side: int = 1

@@ -44,12 +44,6 @@ def unhindered_s(task: RejoinTask) -> float:
     return first - UNHINDERED_STEP_S
 
 
-def prepare(limits: Limits) -> None:
-    """Solve once what the bounds of all starts have in common."""
-    contacts_of(limits)
-    gates_of(limits)
-
-
 def lower_bound_s(task: RejoinTask, upper_s: float) -> float:
     """Return a time [s] in which the slot cannot be rejoined by less.
 

@@ -84,16 +84,16 @@ def pace(seen: list[tuple[float, float]]) -> float:
 
 
 def delays(
-    fixes_s: list[float], lists_s: dict[float, float], accepted_s: dict[float, float], most_s: float
+    fixes_s: list[float], lists_s: dict[int, float], accepted_s: dict[int, float], most_s: float
 ) -> list[tuple[float, float]]:
     """Return what it took from a fix to a list, and from there to the mission's acceptance [s].
 
-    ``lists_s``, ``accepted_s``: when a list of a stamp was seen, and accepted. Lists that came more
+    ``lists_s``, ``accepted_s``: when a list was seen, and accepted. Lists that came more
     than ``most_s`` after the last fix were not made for it.
     """
     found = []
-    for stamp, accepted in sorted(accepted_s.items()):
-        listed = lists_s.get(stamp)
+    for list_id, accepted in sorted(accepted_s.items()):
+        listed = lists_s.get(list_id)
         before = [fix for fix in fixes_s if listed is not None and fix <= listed]
         if listed is None or not before or listed - before[-1] > most_s:
             continue

@@ -110,6 +110,7 @@ class Summary:
             "separation_least_m": Estimate(min(apart)),
             "separation_m": mean_of(apart),
             "coverage_percent": mean_of([m.coverage_percent for m in missions]),
+            "reached_percent": mean_of([m.reached_percent for m in missions]),
             "overlap_percent": mean_of([m.overlap_percent for m in missions]),
             "rate_km2_per_h": mean_of([m.rate_km2_per_h for m in missions]),
             "lists_per_corner": mean_of([m.lists / max(1, len(m.lags_m)) for m in missions]),
@@ -146,11 +147,13 @@ def _row_of(mission: Mission) -> dict[str, object]:
         "separation_m": mission.separation_m,
         "separation_s": mission.separation_s,
         "coverage_percent": mission.coverage_percent,
+        "reached_percent": mission.reached_percent,
         "overlap_percent": mission.overlap_percent,
         "seen_km2": mission.seen_km2,
         "rate_km2_per_h": mission.rate_km2_per_h,
         "corrections": mission.corrections,
         "lists": mission.lists,
+        "false_corners": mission.false_corners,
         "flown_s": mission.flown_s,
         **{f"monitor_{name}": count for name, count in mission.alerts.items()},
         "said": "; ".join(sorted(mission.problems)),
@@ -196,6 +199,8 @@ def line_of(one: Summary) -> str:
         f"{v['coverage_percent'].text(2):>24s}{v['rate_km2_per_h'].value:7.2f}\n"
         f"    within {one.combination.tolerance_m:g} m for good: {good.text(1)} % of missions, "
         f"after {corners.text(1)} corners; extra path {extra.text(1)} m a corner\n"
+        f"    coverage of what the helicopter's own track allows {v['reached_percent'].text(2)} %; "
+        f"{v['lists_per_corner'].text(1)} lists a corner\n"
         f"    extra path by rule, mean and 90 % of them [m]: {', '.join(by_rule) or '-'}\n"
         f"    {watched(one.missions)}" + (f"; said: {'; '.join(said)}" if said else "")
     )

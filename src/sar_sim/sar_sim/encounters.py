@@ -18,7 +18,7 @@ from sar_bridge.separation_monitor import SeparationMonitor
 from sar_estimator.estimator import HelicopterEstimator
 from sar_estimator.parameters import EstimatorParameters
 from sar_estimator.plane import Pose
-from sar_estimator.states import FloatArray, Motion
+from sar_estimator.states import FloatArray, Motion, list_id_at
 from sar_sim.handover import load_list, tell_monitor
 from sar_sim.helicopter import Helicopter
 from sar_sim.offline import STEPS_PER_GUARD, STEPS_PER_TICK, make_monitor
@@ -172,21 +172,21 @@ class _Flight:
         self.monitor: SeparationMonitor = make_monitor(scenario)
         self._gated = gated
         self._banks = MissionBanks(altitude_m=scenario.sensor.altitude_m)
-        self._sent: tuple[float, float, FloatArray, float] | None = None
+        self._sent: tuple[float, int, FloatArray, float] | None = None
         self._steps = 0
 
     def offer(self, points: FloatArray) -> None:
         """Hand a list on when it may pass, or when nobody asks."""
         now = self.world.time_s
         if self._gated:
-            if self.monitor.passes(points, now, now):
-                self._send(points, now, 0.0)
+            if self.monitor.passes(points, list_id_at(now), now):
+                self._send(points, list_id_at(now), 0.0)
         elif self.monitor.escape is None:
-            self._send(points, now, 0.0)
+            self._send(points, list_id_at(now), 0.0)
 
-    def _send(self, points: FloatArray, stamp_s: float, climb_m: float) -> None:
+    def _send(self, points: FloatArray, list_id: int, climb_m: float) -> None:
         items_s = (len(points) + 2) * self.world.scenario.uav.item_s
-        self._sent = (self.world.time_s + LATENCY_S + items_s, stamp_s, points, climb_m)
+        self._sent = (self.world.time_s + LATENCY_S + items_s, list_id, points, climb_m)
 
     def step(self) -> None:
         """Advance by one step."""
@@ -199,11 +199,11 @@ class _Flight:
         if self._steps % STEPS_PER_GUARD == 0:
             escape = monitor.update(world.time_s)
             if escape is not None:
-                self._send(escape.points, escape.time_s, escape.climb_m)
+                self._send(escape.points, list_id_at(escape.time_s), escape.climb_m)
         if self._sent is not None and world.time_s >= self._sent[0]:
-            _, stamp, points, climb = self._sent
+            _, list_id, points, climb = self._sent
             self._sent = None
-            self._load(points, stamp, climb)
+            self._load(points, list_id, climb)
 
     def _know(self) -> None:
         now, known = self.world.time_s, self.estimator
@@ -211,9 +211,9 @@ class _Flight:
         self.monitor.set_uav(self.world.autopilot.motion.stamped(now))
         self.monitor.set_wind(self.world.autopilot.wind_estimate_mps)
 
-    def _load(self, points: FloatArray, stamp_s: float, climb_m: float) -> None:
+    def _load(self, points: FloatArray, list_id: int, climb_m: float) -> None:
         if self._gated:
-            self.monitor.set_uploaded(stamp_s)
+            self.monitor.set_uploaded(list_id)
         elif self.monitor.escape is None:
             self.monitor.set_flown(points)
         load_list(self.world.autopilot, self._banks, points, self.world.datum, climb_m=climb_m)

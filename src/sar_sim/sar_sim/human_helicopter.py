@@ -116,7 +116,7 @@ def turning(
     left, rate, speed, accel = abs(turn_rad), 0.0, through_mps, 0.0
     side = 1.0 if turn_rad > 0.0 else -1.0
     n = 0
-    hovering = int(round(hover_s / STEP_S))
+    hovering = round(hover_s / STEP_S)
     while n < FARTHEST_STEPS:
         turned = 0.0
         if n >= hovering:
@@ -376,7 +376,7 @@ class HumanHelicopter:
         offsets: FloatArray,
     ) -> CornerTruth:
         """Return a corner as flown. Its legs' lines cross at the stop."""
-        onset, end, corner, speed = mark
+        onset, end, _, speed = mark
         x, y = places[onset].tolist()
         before = Pose(x, y, float(headings[onset]))
         x, y = places[end].tolist()
@@ -427,7 +427,8 @@ class HumanHelicopter:
 
     def heading_rad(self, time_s: float) -> float:
         """Return the reference's course [rad]: along the leg being flown, through a corner."""
-        return self._headings[min(max(int(time_s / STEP_S), 0), len(self._headings) - 1)]
+        heading: float = self._headings[min(max(int(time_s / STEP_S), 0), len(self._headings) - 1)]
+        return heading
 
 
 def _courses(turns: FloatArray) -> FloatArray:

@@ -12,6 +12,7 @@ import numpy as np
 
 from sar_planner.mission_parameters import ActiveCorner
 from sar_sim.coverage import Coverage, ideal_tracks, measure
+from sar_sim.detection import matched
 from sar_sim.helicopter import CornerTruth
 from sar_sim.offline import OfflineFlight
 from sar_sim.scenario import Scenario
@@ -30,7 +31,7 @@ class Mission:
     was planned last, NaN where none was; ``rules``: of those paths. ``separation_m``: the closest
     approach, at ``separation_s``. Coverage, ``reached_percent`` (that of what the helicopter's own
     track allows) and overlap [%] and the area seen [km^2] count from the
-    third corner on, over ``covered_s``. ``alerts``: the monitor's, and lists passed and refused,
+    third corner on, over ``covered_s``. ``false_corners``: foretold where there was none. ``alerts``: the monitor's, and lists passed and refused,
     counted; ``problems``: what the planner said, without numbers.
     """
 
@@ -47,6 +48,7 @@ class Mission:
     covered_s: float
     corrections: int
     lists: int
+    false_corners: int
     flown_s: float
     alerts: dict[str, int]
     problems: frozenset[str]
@@ -138,9 +140,15 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
     seen = Observer(flight.world)
     planned: dict[int, ActiveCorner] = {}
     problems: set[str] = set()
+    foretold: list[float] = []
+    ahead = False
 
     def observe(world: World) -> None:
+        nonlocal ahead
         seen(world)
+        if flight.estimator.corner is not None and not ahead:
+            foretold.append(world.time_s)
+        ahead = flight.estimator.corner is not None
         if flight.planner.active is not None:
             planned[flight.planner.active.k] = flight.planner.active
         if flight.planner.problem:
@@ -169,6 +177,7 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
         covered_s,
         flight.planner.corrections,
         0 if flight.planner.list is None else flight.planner.list.number,
+        matched(world.corners, foretold)[1],
         world.time_s,
         {str(name): count for name, count in flight.monitor.counts.items()},
         frozenset(problems),
@@ -198,6 +207,6 @@ def watched(missions: Sequence[Mission]) -> str:
         total.update(mission.alerts)
     hours = sum(mission.flown_s for mission in missions) / 3600.0
     return (
-        f"{hours:.1f} h flown: escapes {total['escape']}, warnings {total['warning']}, "
+        f"{hours:.1f} h flown: false corners {sum(m.false_corners for m in missions)}, escapes {total['escape']}, warnings {total['warning']}, "
         f"cautions {total['caution']}; lists passed {total['passed']}, refused {total['refused']}"
     )

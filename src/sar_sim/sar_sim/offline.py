@@ -32,7 +32,7 @@ from sar_estimator.messages import (
     velocity_message,
 )
 from sar_estimator.parameters import EstimatorParameters
-from sar_estimator.states import FloatArray
+from sar_estimator.states import FloatArray, list_id_at
 from sar_planner.messages import (
     decision_outputs,
     mission_message,
@@ -102,6 +102,7 @@ class Cleared:
     """A list on its way to the autopilot: ``points``, shape (n, 2) [m]."""
 
     points: FloatArray
+    list_id: int
     stamp_s: float
     climb_m: float = 0.0
 
@@ -324,22 +325,24 @@ class OfflineFlight:
 
     def _offer(self, waypoints: WaypointList) -> None:
         """Hand a list on when the monitor lets it pass."""
-        stamp = waypoints.time_s
-        speed = waypoints.speed_mps
-        if self.monitor.passes(waypoints.points, stamp, self.now_s, speed_mps=speed):
-            self._clear(Cleared(waypoints.points, stamp))
+        points, list_id, speed = waypoints.points, waypoints.list_id, waypoints.speed_mps
+        if self.monitor.passes(points, list_id, self.now_s, speed_mps=speed):
+            self._clear(Cleared(points, list_id, waypoints.time_s))
         self._tell_monitor()
 
     def _clear(self, cleared: Cleared) -> None:
         self._newest = cleared
         if self._bag is not None:
-            path = points_to_path(cleared.points, cleared.stamp_s, climb_m=cleared.climb_m)
+            path = points_to_path(
+                cleared.points, cleared.stamp_s, climb_m=cleared.climb_m, list_id=cleared.list_id
+            )
             self._write(topics.CLEARED, path)
 
     def _guard(self) -> None:
         escape = self.monitor.update(self.now_s)
         if escape is not None:
-            self._clear(Cleared(escape.points, escape.time_s, escape.climb_m))
+            list_id = list_id_at(escape.time_s)
+            self._clear(Cleared(escape.points, list_id, escape.time_s, escape.climb_m))
         self._tell_monitor()
 
     def _tell_monitor(self) -> None:
@@ -361,9 +364,8 @@ class OfflineFlight:
 
     def _load(self, waypoints: Cleared) -> None:
         """Hand a list to the autopilot."""
-        self.monitor.set_uploaded(waypoints.stamp_s)
-        stamp_s = stamped_s(waypoints.stamp_s)
-        self._write(topics.UPLOADED, text_message(json.dumps({"stamp_s": stamp_s})))
+        self.monitor.set_uploaded(waypoints.list_id)
+        self._write(topics.UPLOADED, text_message(json.dumps({"list_id": waypoints.list_id})))
         load_list(
             self.world.autopilot,
             self._banks,

@@ -47,7 +47,7 @@ def _find(name: str, kind: str, option: str) -> Path:
 
 def add_flight_options(parser: argparse.ArgumentParser, *, rule_sets: tuple[str, ...]) -> None:
     """Add what says which mission is flown and where its results go."""
-    parser.add_argument("--scenario", default="paper", help="a scenario's name or YAML file")
+    parser.add_argument("--scenario", default="human", help="a scenario's name or YAML file")
     parser.add_argument("--rules", choices=rule_sets, default="deadbeat", help="the rule set")
     parser.add_argument("--seed", type=int, help="of receiver noise and pilot, not the scenario's")
     parser.add_argument("--lag", type=float, help="L(1) in metres, instead of the scenario's")

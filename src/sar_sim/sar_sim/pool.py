@@ -7,7 +7,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TypeVar
@@ -15,6 +15,7 @@ from typing import TypeVar
 from tqdm import tqdm
 
 from sar_sim.kept import Kept
+from sar_sim.processes import spawning_pool
 
 T = TypeVar("T")
 TOLD_EVERY_S = 60.0
@@ -55,7 +56,7 @@ class Workers:
     def __enter__(self) -> Executor:
         """Start the processes, or connect."""
         if not self._scheduler:
-            return self._stack.enter_context(ProcessPoolExecutor(self._jobs))
+            return self._stack.enter_context(spawning_pool(self._jobs))
         try:
             from distributed import Client  # noqa: PLC0415 (only clusters need it)
         except ImportError as error:

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import rclpy
-from builtin_interfaces.msg import Time
 from nav_msgs.msg import Path as PathMessage
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
@@ -20,7 +19,7 @@ from sensor_msgs.msg import NavSatFix
 from std_msgs.msg import String
 
 from sar_estimator import topics
-from sar_estimator.messages import from_stamp, to_stamp
+from sar_estimator.messages import NANOSECONDS, from_stamp, to_stamp
 from sar_estimator.node_support import LATCHED, RELIABLE, start_ros
 from sar_sim.bare_chain_node import ACCEPTED, FIX
 from sar_sim.bench import delays, pace
@@ -45,8 +44,8 @@ class Probe(Node):
         """
         super().__init__("probe")
         self.fixes: list[tuple[float, float]] = []
-        self.lists_s: dict[float, float] = {}
-        self.accepted_s: dict[float, float] = {}
+        self.lists_s: dict[int, float] = {}
+        self.accepted_s: dict[int, float] = {}
         self.waypoints: list[int] = []
         self.bare_s: list[float] = []
         self._sent_s = 0.0
@@ -62,11 +61,11 @@ class Probe(Node):
     def _on_list(self, data: bytes) -> None:
         """Note a list by its stamp alone: to read all of it would take what is measured."""
         sec, nanosec = STAMP.unpack_from(data, CDR_BYTES)
-        self.lists_s[from_stamp(Time(sec=sec, nanosec=nanosec))] = time.perf_counter()
+        self.lists_s[sec * NANOSECONDS + nanosec] = time.perf_counter()
 
     def _on_accepted(self, message: Any) -> None:
         told = json.loads(message.data)
-        self.accepted_s[float(told["stamp_s"])] = time.perf_counter()
+        self.accepted_s[int(told["list_id"])] = time.perf_counter()
         self.waypoints.append(int(told["waypoints"]))
 
     def _on_bare(self, _message: Any) -> None:

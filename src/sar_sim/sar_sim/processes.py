@@ -26,13 +26,33 @@ def _die_with_parent() -> None:
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
+def end_with(parent: int) -> None:
+    """Have this process end when its parent does; at once where that has ended already.
+
+    What a pool's processes begin with: they would otherwise wait for work for ever.
+    """
+    _die_with_parent()
+    if os.getppid() != parent:
+        os._exit(1)
+
+
+def spawning_pool(jobs: int | None) -> ProcessPoolExecutor:
+    """Return a pool of new interpreters that end with this process.
+
+    A fork would copy locks that this process' threads hold, and its open pipes.
+    """
+    return ProcessPoolExecutor(
+        jobs, mp_context=get_context("spawn"), initializer=end_with, initargs=(os.getpid(),)
+    )
+
+
 def run_apart(target: str, *given: Any) -> Any:
     """Run ``module:function`` in a process of its own; return what it returns.
 
     What it imports does not stay in this one's memory. Raises what it raises, and
     ``BrokenProcessPool`` (a ``RuntimeError``) where its process dies.
     """
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+    with spawning_pool(1) as pool:
         return pool.submit(_run, target, given).result()
 
 

@@ -17,6 +17,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from sar_bridge.session import AutopilotSession, Messages
 from sar_estimator.geodesy import Datum
 from sar_estimator.plane import Pose
+from sar_estimator.states import list_id_at
 from sar_sim.autopilot import SimAutopilot
 from sar_sim.autopilot_server import AutopilotServer
 from sar_sim.scenario import Uav
@@ -94,7 +95,7 @@ class Bench:
     def upload_s(self, points: np.ndarray) -> float:
         """Return how long a list, shape (n, 2), takes until it is flown; infinite if it fails."""
         begun, before = self.now_s, self.session.uploaded
-        self._up.send(self.session.set_list(points, begun, DATUM, begun), begun)
+        self._up.send(self.session.set_list(points, list_id_at(begun), DATUM, begun), begun)
         while self.session.uploaded is before and self.now_s - begun < LONGEST_S:
             self.step()
         return math.inf if self.session.uploaded is before else self.now_s - begun

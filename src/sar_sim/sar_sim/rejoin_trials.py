@@ -13,9 +13,7 @@ from sar_estimator.plane import Pose, wrap_angle
 from sar_planner.forecast import Forecast, cornering, cruising, departing
 from sar_planner.parameters import CornerParameters
 from sar_planner.rejoin import RejoinTask, rejoin
-from sar_planner.rejoin_around import Limits
 from sar_planner.rejoin_bound import lower_bound_s, unhindered_s
-from sar_planner.rejoin_bound import prepare as prepare_bound
 from sar_planner.waypoints import path_waypoints
 from sar_sim.autopilot import FlightMode, SimAutopilot
 
@@ -106,20 +104,19 @@ def random_task(seed: int, p: CornerParameters) -> tuple[str, RejoinTask]:
             return phase, task
 
 
-def prepare(p: CornerParameters | None = None) -> None:
-    """Solve once what the bounds of all starts have in common."""
-    prepare_bound(Limits.of(random_task(0, p or CornerParameters())[1]))
+def fly(seed: int, p: CornerParameters | None = None, *, bounded: bool = True) -> Trial:
+    """Plan one start and fly it with the simulated autopilot, at the speed planned.
 
-
-def fly(seed: int, p: CornerParameters | None = None) -> Trial:
-    """Plan one start and fly it with the simulated autopilot, at the speed planned."""
+    ``bounded``: whether the time is held against the bound with the helicopter in the way, which
+    a process prepares for when it is asked for first; else against that without it.
+    """
     p = p or CornerParameters()
     phase, task = random_task(seed, p)
     plan = rejoin(task)
     if plan is None:
         bound = max(unhindered_s(task), 1.0)
         return Trial(seed, phase, kept=False, planned_s=math.inf, bound_s=bound, **NEVER)
-    bound = max(lower_bound_s(task, plan.duration_s), 1.0)
+    bound = max(lower_bound_s(task, plan.duration_s) if bounded else unhindered_s(task), 1.0)
     autopilot = SimAutopilot(
         task.start,
         speed_mps=plan.speed_mps,

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import sys
+from functools import partial
 
 import numpy as np
 
 from sar_planner.parameters import CornerParameters
 from sar_sim.kept import Kept
 from sar_sim.pool import Workers, add_keep_option, add_work_options, in_parallel
-from sar_sim.rejoin_trials import PHASES, Trial, fly, prepare
+from sar_sim.rejoin_trials import PHASES, Trial, fly
 
 
 def table(trials: list[Trial], separation_m: float) -> str:
@@ -38,13 +39,20 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="rejoin_trials", description=__doc__)
     add_work_options(parser, seeds=("starts", 200))
     add_keep_option(parser)
+    parser.add_argument(
+        "--bound",
+        choices=("full", "free"),
+        default="full",
+        help="on the time: with the helicopter in the way (a process prepares it for a minute), "
+        "or as if it was not",
+    )
     args = parser.parse_args(argv)
     seeds = range(args.first_seed, args.first_seed + args.starts)
     try:
-        kept = Kept(args.keep, {"work": "rejoin_trials"})
-        prepare()  # before the processes are forked
+        kept = Kept(args.keep, {"work": "rejoin_trials", "bound": args.bound})
+        work = partial(fly, bounded=args.bound == "full")
         with Workers(args.jobs, args.scheduler) as workers:
-            trials = in_parallel(fly, seeds, workers, kind=Trial, kept=kept)
+            trials = in_parallel(work, seeds, workers, kind=Trial, kept=kept)
     except (OSError, ValueError) as error:
         sys.stderr.write(f"rejoin_trials: {error}\n")
         return 2

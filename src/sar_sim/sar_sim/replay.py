@@ -27,6 +27,7 @@ from sar_estimator.geodesy import Datum
 from sar_estimator.messages import (
     fix_outputs,
     from_stamp,
+    list_id_of,
     message_to_fix,
     odometry_sigmas,
     odometry_to_leg,
@@ -257,7 +258,7 @@ class MonitorReplay(_Module):
         self._led = status_from_text(message.data).mode in ("AUTO", "GUIDED")
 
     def _on_uploaded(self, _time_s: float, message: Any) -> None:
-        self._monitor.set_uploaded(float(json.loads(message.data)["stamp_s"]))
+        self._monitor.set_uploaded(int(json.loads(message.data)["list_id"]))
 
     def _on_autopilot(self, _time_s: float, message: Any) -> None:
         self._monitor.tuning = FollowerTuning.read(json.loads(message.data))
@@ -267,9 +268,8 @@ class MonitorReplay(_Module):
             self._monitor.withdraw()
             self._publish(time_s, [(topics.CLEARED, message)])
         else:
-            stamp = from_stamp(message.header.stamp)
-            speed = path_speed_mps(message)
-            if self._monitor.passes(path_to_points(message), stamp, time_s, speed_mps=speed):
+            speed, list_id = path_speed_mps(message), list_id_of(message)
+            if self._monitor.passes(path_to_points(message), list_id, time_s, speed_mps=speed):
                 self._publish(time_s, [(topics.CLEARED, message)])
         self._tell(time_s)
 

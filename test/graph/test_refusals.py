@@ -1,0 +1,126 @@
+"""Planner and monitor as two processes: a list that is refused is noticed, and made again."""
+
+import itertools
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytestmark = [pytest.mark.graph, pytest.mark.timeout(120)]
+ROOT = Path(__file__).parents[2]
+DOMAINS = itertools.count(90 + os.getpid() % 100)
+LASTS_S = 25.0
+RETRIES = 8  # every 2 s, and the laptop may be slow
+
+# Both aircraft, told at 5 Hz for a while; what the planner listed and the monitor refused, in the
+# end. The helicopter flies north, the UAV 250 m beside it, where the monitor allows 400 m.
+WORLD = """
+import json, sys, time
+import rclpy
+from nav_msgs.msg import Odometry, Path
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+from sar_estimator import topics
+from sar_estimator.messages import (
+    leg_to_odometry, list_id_of, motion_to_odometry, text_message,
+)
+from sar_estimator.node_support import LATCHED, RELIABLE
+from sar_estimator.plane import Pose
+from sar_estimator.states import LegEstimate, Motion
+rclpy.init()
+node = rclpy.create_node("world")
+send = {
+    topic: node.create_publisher(kind, topic, qos)
+    for topic, kind, qos in (
+        (topics.HELICOPTER_ODOMETRY, Odometry, RELIABLE),
+        (topics.UAV_ODOMETRY, Odometry, RELIABLE),
+        (topics.LEG, Odometry, RELIABLE),
+        (topics.PHASE, String, LATCHED),
+        (topics.UAV_STATE, String, LATCHED),
+    )
+}
+listed, refused = [], set()
+take = lambda message: listed.append(list_id_of(message)) if message.poses else None
+node.create_subscription(Path, topics.WAYPOINTS, take, LATCHED)
+note = lambda message: refused.add(json.loads(message.data)["refused_id"])
+node.create_subscription(String, topics.MONITOR, note, LATCHED)
+engage = node.create_client(Trigger, topics.ENGAGE)
+send[topics.PHASE].publish(text_message("cruise"))
+state = {"mode": "AUTO", "armed": True, "connected": True}
+send[topics.UAV_STATE].publish(text_message(json.dumps(state)))
+begun, asked, engaged = time.monotonic(), None, None
+while engaged is None or time.monotonic() - engaged < float(sys.argv[1]):
+    if time.monotonic() - begun > 60.0:
+        sys.exit("never engaged")
+    now = node.get_clock().now().nanoseconds * 1e-9
+    y = 20.0 * (time.monotonic() - begun)
+    send[topics.HELICOPTER_ODOMETRY].publish(
+        motion_to_odometry(Motion(now, 0.0, y, 0.0, 20.0), child="helicopter")
+    )
+    send[topics.UAV_ODOMETRY].publish(
+        motion_to_odometry(Motion(now, 250.0, y, 0.0, 20.0), child="uav")
+    )
+    leg = LegEstimate(now, Pose(0.0, y, 1.5707963), 20.0, 1.0, 0.005, 0.1)
+    send[topics.LEG].publish(leg_to_odometry(leg))
+    if engaged is None and engage.service_is_ready() and asked is None:
+        asked = engage.call_async(Trigger.Request())
+    if asked is not None and asked.done():
+        engaged = time.monotonic() if asked.result().success else None
+        asked = None
+    until = time.monotonic() + 0.2
+    while time.monotonic() < until:
+        rclpy.spin_once(node, timeout_sec=0.02)
+print(json.dumps({"listed": listed, "refused": sorted(refused - {0})}))
+"""
+
+
+@pytest.fixture
+def nodes(tmp_path):
+    environment = dict(
+        os.environ,
+        ROS_DOMAIN_ID=str(next(DOMAINS)),
+        ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST",
+    )
+    running = []
+    for package, name, settings in (
+        ("sar_planner", "planner", ()),
+        ("sar_bridge", "monitor", ("-p", "min_separation_m:=400.0")),
+    ):
+        program = ROOT / "install" / package / "lib" / package / name
+        with (tmp_path / f"{name}.txt").open("wb") as log:
+            running.append(
+                subprocess.Popen(
+                    [str(program), "--ros-args", *settings],
+                    env=environment,
+                    stdout=log,
+                    stderr=subprocess.STDOUT,
+                )
+            )
+    yield environment
+    for process in running:
+        process.send_signal(signal.SIGINT)
+    for process in running:
+        try:
+            process.wait(timeout=10.0)
+        except subprocess.TimeoutExpired:
+            process.kill()
+
+
+def test_every_refusal_is_noticed(nodes):
+    world = subprocess.run(
+        [sys.executable, "-c", WORLD, str(LASTS_S)],
+        env=nodes,
+        timeout=100,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert world.returncode == 0, world.stderr
+    found = json.loads(world.stdout.splitlines()[-1])
+    assert len(set(found["listed"])) == len(found["listed"]) >= RETRIES
+    assert set(found["refused"]) <= set(found["listed"])
+    assert len(found["refused"]) >= RETRIES
