@@ -77,7 +77,7 @@ def test_parts_are_chosen_by_name(tmp_path, capsys):
     assert len(lines) == 3
     assert all(line.startswith("estimator ") for line in lines)
     ratio = json.loads(file.read_text(encoding="utf-8"))[2]
-    assert ratio["what"] == "step over bare filterpy"
+    assert ratio["what"] == "step over two bare filterpy filters"
     assert ratio["value"] > 1.0
     with pytest.raises(SystemExit) as ended:
         bench_cli.main(["--only", "speeed"])

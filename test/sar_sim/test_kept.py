@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -41,7 +42,8 @@ def flown(log):
 
 def all_of(file, seeds, log, part="x", scheduler=""):
     do = partial(work, log=log)
-    with Workers(2, scheduler) as workers:
+    # Work of a test module is not to be had in new interpreters: threads do it, or Dask's pickles.
+    with Workers(2, scheduler) if scheduler else ThreadPoolExecutor(2) as workers:
         kept = Kept(file, {"work": "a"})
         return in_parallel(do, seeds, workers, kind=Result, kept=kept, part=part)
 

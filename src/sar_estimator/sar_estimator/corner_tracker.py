@@ -31,6 +31,7 @@ LEARNT_RANGE = 1.8
 STOP_CONFIRM_S = 2.0
 STOPPED_SHARE = 0.4
 MOVING_FIXES = 2
+SLOW_FIXES = 2
 YOUNG_S = 6.0
 KNOWN_SPEED_SIGMA_MPS = 0.8
 KNOWN_AFTER_S = 10.0
@@ -66,7 +67,7 @@ class CornerTracker:
         self._posterior: StopPosterior | None = None
         self._detected_s = -math.inf
         self._turning_since_s: float | None = None
-        self._moving_fixes = 0
+        self._moving_fixes = self._slow_fixes = 0
         self._begins = False
         self._still_since_s: float | None = None
         self._cruise_after_s = -math.inf
@@ -171,6 +172,7 @@ class CornerTracker:
         """Foretell a corner."""
         self._detected_s = motion.time_s
         self._turning_since_s = None
+        self._slow_fixes = 0
         self._posterior = None
         assert self.leg is not None
         self.phase = Phase.DECELERATING
@@ -280,11 +282,20 @@ class CornerTracker:
             or (moving and overdue_s > STOP_CONFIRM_S)
         ):
             self._withdraw(motion)
-        elif overdue_s >= 0.0 and not moving:
+        elif (overdue_s >= 0.0 or self._stands(motion)) and not moving:
             self.phase = Phase.STOPPED
             self.leg = None
             self._moving_fixes = 0
             self._learn(self._posterior)
+
+    def _stands(self, motion: Motion) -> bool:
+        """Whether he has come to a stand, though the stop that is foretold still creeps ahead.
+
+        The last of a deceleration is eased off.
+        """
+        slow = motion.speed_mps < STANDSTILL_MPS
+        self._slow_fixes = self._slow_fixes + 1 if slow else 0
+        return self._slow_fixes >= SLOW_FIXES
 
     def _turn(self, seen: Watch, motion: Motion, turned: float) -> None:
         """Follow a turn that is rolled: on its new leg once most of it is flown."""

@@ -28,7 +28,7 @@ from sar_estimator.states import FloatArray
 
 WANDER_TIME_S = 16.0
 WANDER_DAMPING = 0.7
-VELOCITY_WALK = 1e-4  # by which v changes: m^2/s^3, 0.1 m/s in 50 s
+VELOCITY_WALK = 2e-5  # by which v changes: m^2/s^3, 0.1 m/s in 50 s
 SIZES_MPS = (0.03, 0.1, 0.25, 0.6, 1.3, 2.8)
 SCALES = (0.2, 0.45, 1.0, 2.0)
 MEMORY_S = 240.0

@@ -287,7 +287,7 @@ class DeadbeatPilot(Pilot):
 
     def _separations_m(self) -> tuple[float, float, float]:
         """Return the separations to plan with, the most wanted one first."""
-        least, margin = self._corner.separation_m, self._mission.separation_margin_m
+        least, margin = self._corner.separation_m, self._s.margin_m(self._mission)
         return least + margin, least + MARGIN_SHARE * margin, least
 
     def _corner_from_anywhere(
@@ -421,7 +421,7 @@ class DeadbeatPilot(Pilot):
         tolerance = max(self._mission.lag_tolerance_m, self._mission.far_tolerance * rest.length_m)
         settling = now_s - self._corrected_s < self._mission.settling_s
         fits = abs(lag) < tolerance and not moved and (settling or off_m < OFF_PATH_M)
-        margin = 0.0 if settling else MARGIN_SHARE * self._mission.separation_margin_m
+        margin = 0.0 if settling else MARGIN_SHARE * self._s.margin_m(self._mission)
         apart_m = least_apart_m(rest, expected, start_s=now_s, speed_mps=speed)
         if off_m > BESIDE_M:
             beside = here.x_m - there.x_m, here.y_m - there.y_m
@@ -471,7 +471,7 @@ class DeadbeatPilot(Pilot):
             self._strips(frame),
         )
         row = row_of(old.cut(from_m))
-        margin = self._mission.separation_margin_m
+        margin = self._s.margin_m(self._mission)
         least = self._corner.separation_m + MARGIN_SHARE * margin
         wanted = self._corner.separation_m + CORRECTED_SHARE * margin
         path = search.best(row, wanted, least)

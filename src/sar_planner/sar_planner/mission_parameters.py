@@ -58,7 +58,7 @@ class MissionParameters:
     accel_range: tuple[float, float] = (0.4, 60.0)
     speed_trim: float = 0.1
     corner_hurry: float = 0.1
-    trim_gain: float = 0.1
+    trim_gain: float = 0.15
     trim_follow: float = 0.5
     corner_tolerance_m: float = 12.0
     lag_tolerance_m: float = 60.0

@@ -9,6 +9,7 @@ from sar_estimator.plane import Pose, wrap_angle
 from sar_estimator.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.forecast import Forecast, Stretch, cornering, cruising, departing
 from sar_planner.geometry import CornerFrame
+from sar_planner.mission_parameters import MissionParameters
 from sar_planner.parameters import CornerParameters
 
 CLOCK_STEP_S = 1.0
@@ -31,6 +32,7 @@ LOST_GAIN = 0.5
 LEAST_LOST_S = 0.5
 ROLLED_SHARE = 0.85
 SLOW_SHARE = 0.4
+STRAY_SIGMAS = 2.0
 
 
 def _passed_s(corner: CornerEstimate) -> float:
@@ -47,8 +49,10 @@ def _weighed(value: float, sigma: float, expected: float, expected_sigma: float)
 class Situation:
     """The newest of everything: motions, phase, leg, corner.
 
-    ``corners_seen`` counts the corners told of. ``went_on``: the helicopter had slowed and sped up
-    again without having stopped. ``slot``: the slot track of the leg flown last.
+    ``corners_seen`` counts the corners told of. ``went_on``: the helicopter had slowed and sped
+    up again without having stopped. ``slot``: the slot track of the leg flown last. ``strays_m``:
+    by how much it may be beside where it is foretold: the newest leg's line is the less sure the
+    more its pilot wanders.
     """
 
     def __init__(self, corner: CornerParameters, turn_side: int) -> None:
@@ -65,6 +69,7 @@ class Situation:
         self._foretold = False
         self._told: CornerEstimate | None = None
         self._lost_s: float | None = None
+        self.strays_m = 0.0
         self._learnt = 0
 
     # Events ------------------------------------------------------------------------------------
@@ -83,6 +88,7 @@ class Situation:
         """Take the leg being flown; the first one after a corner tells what the corner cost."""
         if math.isfinite(leg.foot.x_m + leg.foot.y_m + leg.foot.heading_rad):
             self.leg = leg
+            self.strays_m = leg.position_sigma_m
             self._learn_lost(leg)
 
     def _learn_lost(self, leg: LegEstimate) -> None:
@@ -178,6 +184,10 @@ class Situation:
     def slot(self) -> Pose | None:
         """The slot track of the newest leg, abeam the helicopter's foot on it."""
         return None if self.leg is None else self.slot_of(self.leg.foot)
+
+    def margin_m(self, mission: MissionParameters) -> float:
+        """Return what is planned beyond the least separation [m]: more behind one who wanders."""
+        return max(mission.separation_margin_m, STRAY_SIGMAS * self.strays_m)
 
     def separation_m(self) -> float | None:
         """Return the horizontal distance between the aircraft [m]."""

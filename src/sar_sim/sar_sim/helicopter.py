@@ -24,7 +24,11 @@ BROKEN_OFF_RAD = 2.6
 
 @dataclass(frozen=True, slots=True)
 class CornerTruth:
-    """What really happened at corner ``k`` (from 1). ``stop`` carries the incoming heading."""
+    """What really happened at corner ``k`` (from 1). ``stop`` carries the incoming heading.
+
+    ``crossing_m``: where its legs' lines cross, x and y: the stop, less what a human is beside his
+    line there.
+    """
 
     k: int
     onset_time_s: float
@@ -33,6 +37,7 @@ class CornerTruth:
     stop: Pose
     speed_mps: float
     accel_mps2: float
+    crossing_m: tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +151,10 @@ class PatternHelicopter:
             onset_s, onset = self.end_s, self._end
             self._add(end_speed, -accel, end_speed / accel)
             stop = self._end
-            self.corners.append(CornerTruth(k, onset_s, onset, self.end_s, stop, end_speed, accel))
+            crossing = stop.x_m, stop.y_m
+            self.corners.append(
+                CornerTruth(k, onset_s, onset, self.end_s, stop, end_speed, accel, crossing)
+            )
             self._add(0.0, 0.0, hover)
             side = -pattern.turn_side if odd == "other_way" else pattern.turn_side
             if odd == "break_off":

@@ -405,6 +405,7 @@ class HumanHelicopter:
             stop,
             speed,
             speed**2 / (2.0 * equal_m),
+            (moved.x_m, moved.y_m),
         )
 
     def motion(self, time_s: float) -> Motion:

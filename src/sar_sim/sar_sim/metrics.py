@@ -75,7 +75,7 @@ def detection_delay_s(data: FlightData, corner: dict[str, Any]) -> float | None:
 def coverage(data: FlightData) -> Coverage | None:
     """Return the coverage of the legs as flown; None without any corner."""
     if data.corners:
-        stops = [corner["stop"][:2] for corner in data.corners]
+        stops = [corner.get("crossing_m", corner["stop"][:2]) for corner in data.corners]
     else:
         stops = [item.last["stop"][:2] for _, item in sorted(data.planned.items())]
     if not stops or len(data.helicopter) < 2 or len(data.uav) < 2:

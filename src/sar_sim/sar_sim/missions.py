@@ -29,10 +29,11 @@ class Mission:
 
     ``lags_m``: true L(k) at every corner's onset; ``foretold_m``: L(k+1) as the path for corner k
     was planned last, NaN where none was; ``rules``: of those paths. ``separation_m``: the closest
-    approach, at ``separation_s``. Coverage, ``reached_percent`` (that of what the helicopter's own
-    track allows) and overlap [%] and the area seen [km^2] count from the
-    third corner on, over ``covered_s``. ``false_corners``: foretold where there was none. ``alerts``: the monitor's, and lists passed and refused,
-    counted; ``problems``: what the planner said, without numbers.
+    approach, at ``separation_s``. Coverage, ``reached_percent`` (that of what the helicopter's
+    own track allows) and overlap [%] and the area seen [km^2] count from the third corner on,
+    over ``covered_s``. ``false_corners``: foretold where there was none. ``alerts``: the
+    monitor's, and lists passed and refused, counted; ``problems``: what the planner said, without
+    numbers.
     """
 
     seed: int
@@ -119,7 +120,7 @@ def covered(world: World, track: np.ndarray) -> Coverage:
     ``track``: helicopter's and UAV's positions, shape (n, 4).
     """
     scenario = world.scenario
-    stops = [(c.stop.x_m, c.stop.y_m) for c in world.corners[COVERED_FROM_CORNER - 1 :]]
+    stops = [corner.crossing_m for corner in world.corners[COVERED_FROM_CORNER - 1 :]]
     ideal = ideal_tracks(
         np.vstack((*stops, track[-1, :2])),
         spacing_m=scenario.corner.spacing_m,
@@ -207,6 +208,7 @@ def watched(missions: Sequence[Mission]) -> str:
         total.update(mission.alerts)
     hours = sum(mission.flown_s for mission in missions) / 3600.0
     return (
-        f"{hours:.1f} h flown: false corners {sum(m.false_corners for m in missions)}, escapes {total['escape']}, warnings {total['warning']}, "
+        f"{hours:.1f} h flown: false corners {sum(m.false_corners for m in missions)}, "
+        f"escapes {total['escape']}, warnings {total['warning']}, "
         f"cautions {total['caution']}; lists passed {total['passed']}, refused {total['refused']}"
     )
