@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sar_estimator.parameters import EstimatorParameters
+from sar_estimator.parameters import VELOCITY_SIGMA_MPS, EstimatorParameters
 from sar_sim.bag import open_bag, read_messages
 from sar_sim.offline import OfflineFlight
 from sar_sim.options import find_scenario
@@ -74,7 +74,7 @@ def test_short_mission_end_to_end_agrees_with_the_offline_flight(launch):
         flight.out / "bag",
         Tolerance(figures=1.0, time_s=0.3),
         estimator=EstimatorParameters(),
-        velocity_sigma_mps=0.1,
+        velocity_sigma_mps=VELOCITY_SIGMA_MPS,
     )
     legs = sum(topic == "/helicopter/leg" for topic, _, _ in events)
     assert found.same["/helicopter/leg"] == legs > 100

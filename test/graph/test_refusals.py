@@ -12,12 +12,12 @@ import pytest
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(120)]
 ROOT = Path(__file__).parents[2]
-DOMAINS = itertools.count(90 + os.getpid() % 100)
+DOMAINS = itertools.count(130 + os.getpid() % 60)
 LASTS_S = 25.0
 RETRIES = 8  # every 2 s, and the laptop may be slow
 
 # Both aircraft, told at 10 Hz for a while; what the planner listed and the monitor refused, in the
-# end. The helicopter flies north, the UAV 250 m beside it, where the monitor asks for 300 m: a first
+# end. The helicopter flies north, the UAV 250 m beside it; the monitor asks for 300 m. A first
 # list passes, as nothing better is flown. Then the helicopter's line is told 20 m nearer to the
 # UAV's, and what is listed for that is worse than what is flown. The clock only shows times that
 # are not the same number when they are worked out as ns * 1e-9 and as sec + nanosec * 1e-9.

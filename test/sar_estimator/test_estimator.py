@@ -362,3 +362,21 @@ def test_no_fix_makes_the_estimate_infinite(rows):
 def test_bad_parameters_are_named():
     with pytest.raises(ValueError, match=r"gate_chi2 = -1\.0: expected a positive number"):
         EstimatorParameters(gate_chi2=-1.0)
+
+
+def test_a_velocity_that_comes_after_its_fix_is_used_at_once():
+    """As most receivers' drivers send them: a corner is seen as soon as the other way round."""
+    seen = []
+    for late in (False, True):
+        estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
+        for i in range(90):
+            x, speed = along(float(i), 60.0)
+            if not late:
+                estimator.add_velocity(float(i), speed, 0.0, 0.1)
+            estimator.add_fix(fix_at(float(i), x, 0.0, 2.0))
+            if late:
+                estimator.add_velocity(float(i), speed, 0.0, 0.1)
+            if estimator.corner is not None:
+                seen.append(i)
+                break
+    assert seen[0] == seen[1] <= 62

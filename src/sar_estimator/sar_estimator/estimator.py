@@ -32,6 +32,7 @@ MAX_NOISE_SCALE = 50.0
 KNOWN_SPEED_MPS = 0.3
 UNSETTLED_SPEED_MPS = 10.0
 MAX_VELOCITIES = 100
+LONGEST_SINCE_S = 1.0  # what is believed of an acceleration without a velocity between
 
 
 class HelicopterEstimator:
@@ -54,7 +55,7 @@ class HelicopterEstimator:
         self._accepted_s = -math.inf
         self._outliers: list[tuple[float, float, float]] = []
         self._velocities: deque[LegRow] = deque(maxlen=MAX_VELOCITIES)
-        self._velocity_s = -math.inf
+        self._velocity_s = self._believed_s = -math.inf
         self._noise_scale = 1.0
         self.refused_velocities = 0
 
@@ -124,7 +125,8 @@ class HelicopterEstimator:
     def add_velocity(self, time_s: float, vx_mps: float, vy_mps: float, sigma_mps: float) -> bool:
         """Take a Doppler velocity, in time order; return whether it may be used.
 
-        It is used with the next fix that is not older, so that it never runs ahead of the fixes.
+        It is used with the next fix that is not older, so that it never runs ahead of the fixes; at
+        once where it is of the last one's time, and came after it, as from most receivers' drivers.
         """
         values = (time_s, vx_mps, vy_mps, sigma_mps)
         usable = (
@@ -139,6 +141,10 @@ class HelicopterEstimator:
         self._velocity_s = time_s
         sigma = math.hypot(sigma_mps, self.parameters.speed_noise_mps)
         self._velocities.append(LegRow(time_s, vx_mps, vy_mps, sigma, is_velocity=True))
+        if self._filters is not None and time_s <= self._accepted_s + 1e-6:
+            believed = self._use_velocities(self._filters, self._accepted_s)
+            if believed:
+                self._tracker.update(believed, self._filters.agile(self._accepted_s).motion)
         return True
 
     def _use_velocities(self, filters: MotionFilters, until_s: float) -> list[LegRow]:
@@ -156,10 +162,13 @@ class HelicopterEstimator:
                 math.hypot(row.x - motion.vx_mps, row.y - motion.vy_mps)
                 for motion in (estimate.motion, filters.agile(filters.time_s).motion)
             )
+            since_s = max(dt, min(row.time_s - self._believed_s, LONGEST_SINCE_S))
             steady_sigma = math.sqrt(row.sigma**2 + min(known, KNOWN_SPEED_MPS**2))
-            if known < UNSETTLED_SPEED_MPS**2 and error > 5.0 * steady_sigma + TOP_ACCEL_MPS2 * dt:
+            most = 5.0 * steady_sigma + TOP_ACCEL_MPS2 * since_s
+            if known < UNSETTLED_SPEED_MPS**2 and error > most:
                 self.refused_velocities += 1
                 continue
+            self._believed_s = row.time_s
             filters.advance(row.time_s)
             filters.update_velocity((row.x, row.y), row.sigma)
             believed.append(row)
@@ -169,7 +178,7 @@ class HelicopterEstimator:
         """Begin again after time was set back: nothing is carried over but what was learnt."""
         self.screen.forget()
         self._filters = None
-        self._accepted_s = self._velocity_s = -math.inf
+        self._accepted_s = self._velocity_s = self._believed_s = -math.inf
         self._outliers.clear()
         self._velocities.clear()
         self._tracker.restart()

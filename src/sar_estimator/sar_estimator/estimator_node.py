@@ -35,7 +35,7 @@ from sar_estimator.node_support import (
     report_each_second,
     run_node,
 )
-from sar_estimator.parameters import EstimatorParameters
+from sar_estimator.parameters import VELOCITY_SIGMA_MPS, EstimatorParameters
 from sar_estimator.states import Phase
 
 
@@ -49,7 +49,7 @@ class EstimatorNode(Node):
         latitude = parameter(self, "datum_latitude_deg", math.nan)
         longitude = parameter(self, "datum_longitude_deg", math.nan)
         altitude = parameter(self, "datum_altitude_m", 0.0)
-        self._velocity_sigma = parameter(self, "velocity_sigma_mps", 0.1)
+        self._velocity_sigma = parameter(self, "velocity_sigma_mps", VELOCITY_SIGMA_MPS)
         rate = parameter(self, "prediction_rate_hz", 5.0)
         if not 0.0 < rate <= 100.0:
             raise ValueError(f"parameter prediction_rate_hz = {rate}: expected 0 to 100")
@@ -84,17 +84,21 @@ class EstimatorNode(Node):
         verdict = self._estimator.add_fix(message_to_fix(message))
         if not verdict.moved:
             return
-        stamp = from_stamp(message.header.stamp)
         self._send_datum()
+        self._publish(from_stamp(message.header.stamp))
+
+    def _publish(self, stamp: float) -> None:
+        """Publish what a fix, or its velocity, has changed."""
         self._send_phase(stamp)
         for topic, output in fix_outputs(self._estimator, stamp):
             self._senders[topic].publish(output)
 
     def _on_velocity(self, message: TwistStamped) -> None:
-        velocity = message.twist.linear
-        self._estimator.add_velocity(
-            from_stamp(message.header.stamp), velocity.x, velocity.y, self._velocity_sigma
-        )
+        velocity, stamp = message.twist.linear, from_stamp(message.header.stamp)
+        before = self._estimator.corner
+        self._estimator.add_velocity(stamp, velocity.x, velocity.y, self._velocity_sigma)
+        if self._estimator.corner is not before:  # it came after its fix, and says more
+            self._publish(stamp)
 
     def _on_timer(self) -> None:
         now = now_s(self)

@@ -5,6 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
+VELOCITY_SIGMA_MPS = 0.07
+"""Standard deviation of a receiver's velocity, of which its message says nothing [m/s]: a modern
+receiver's."""
+
 
 @dataclass(frozen=True, slots=True)
 class EstimatorParameters:

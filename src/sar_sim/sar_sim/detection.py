@@ -9,7 +9,7 @@ import numpy as np
 
 from sar_estimator.estimator import HelicopterEstimator
 from sar_estimator.geodesy import Datum
-from sar_estimator.parameters import EstimatorParameters
+from sar_estimator.parameters import VELOCITY_SIGMA_MPS, EstimatorParameters
 from sar_planner.parameters import CornerParameters
 from sar_sim.gps import SimulatedGps
 from sar_sim.helicopter import CornerTruth, Helicopter
@@ -66,7 +66,7 @@ def watch(helicopter: Helicopter, gps: Gps, until_s: float) -> Watched:
     for reception in SimulatedGps(helicopter, gps, DATUM).due(until_s):
         velocity, time_s = reception.velocity, reception.fix.time_s
         if velocity is not None:
-            estimator.add_velocity(time_s, velocity.vx_mps, velocity.vy_mps, velocity.sigma_mps)
+            estimator.add_velocity(time_s, velocity.vx_mps, velocity.vy_mps, VELOCITY_SIGMA_MPS)
         estimator.add_fix(reception.fix)
         if estimator.corner is not None and not foretold:
             seen.append(time_s)

@@ -24,7 +24,6 @@ class Velocity:
 
     vx_mps: float
     vy_mps: float
-    sigma_mps: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,9 +132,8 @@ class SimulatedGps:
         sigma = self._gps.doppler_sigma_mps
         if sigma == 0.0:
             return Reception(fix)
-        return Reception(
-            fix, Velocity(truth.vx_mps + sigma * off[0], truth.vy_mps + sigma * off[1], sigma)
-        )
+        velocity = Velocity(truth.vx_mps + sigma * off[0], truth.vy_mps + sigma * off[1])
+        return Reception(fix, velocity)
 
 
 class RecordedTrack:

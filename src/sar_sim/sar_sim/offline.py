@@ -31,7 +31,7 @@ from sar_estimator.messages import (
     vector_message,
     velocity_message,
 )
-from sar_estimator.parameters import EstimatorParameters
+from sar_estimator.parameters import VELOCITY_SIGMA_MPS, EstimatorParameters
 from sar_estimator.states import FloatArray, list_id_at
 from sar_planner.messages import (
     decision_outputs,
@@ -245,15 +245,15 @@ class OfflineFlight:
 
     def _receive(self, reception: Reception) -> None:
         fix, velocity = reception.fix, reception.velocity
-        if self._bag is not None:
-            self._write(topics.FIX, fix_to_message(fix))
         if velocity is not None:
             if self._bag is not None:
                 message = velocity_message(fix.time_s, velocity.vx_mps, velocity.vy_mps)
                 self._write(topics.VELOCITY, message)
             self.estimator.add_velocity(
-                fix.time_s, velocity.vx_mps, velocity.vy_mps, velocity.sigma_mps
+                fix.time_s, velocity.vx_mps, velocity.vy_mps, VELOCITY_SIGMA_MPS
             )
+        if self._bag is not None:
+            self._write(topics.FIX, fix_to_message(fix))
         self.estimator.add_fix(fix)
         if self._truth is None and self._bag is not None:
             for topic, output in fix_outputs(self.estimator, self.now_s):

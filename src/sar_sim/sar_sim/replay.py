@@ -147,9 +147,13 @@ class EstimatorReplay(_Module):
             topics.PHASE: lambda time_s, _: self._tell_phase(time_s, time_s),
         }
 
-    def _on_velocity(self, _time_s: float, message: Any) -> None:
+    def _on_velocity(self, time_s: float, message: Any) -> None:
         velocity, stamp = message.twist.linear, from_stamp(message.header.stamp)
+        before = self._estimator.corner
         self._estimator.add_velocity(stamp, velocity.x, velocity.y, self._velocity_sigma_mps)
+        if self._estimator.corner is not before:
+            self._publish(time_s, fix_outputs(self._estimator, stamp))
+            self._tell_phase(time_s, stamp)
 
     def _on_fix(self, time_s: float, message: Any) -> None:
         if self._estimator.add_fix(message_to_fix(message)).moved:

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from sar_estimator import topics
-from sar_estimator.parameters import EstimatorParameters
+from sar_estimator.parameters import VELOCITY_SIGMA_MPS, EstimatorParameters
 from sar_sim.bag import BAG_ERRORS, BagWriter, open_bag, read_messages
 from sar_sim.replay import (
     FIGURES,
@@ -80,7 +80,10 @@ def main(argv: list[str] | None = None) -> int:
         "--fix-sigma", type=float, default=usual, help="of fixes without covariance, m"
     )
     parser.add_argument(
-        "--velocity-sigma", type=float, default=0.1, help="of the receiver's velocity, m/s"
+        "--velocity-sigma",
+        type=float,
+        default=VELOCITY_SIGMA_MPS,
+        help="of the receiver's velocity, m/s",
     )
     parser.add_argument("--all", action="store_true", help="every difference, not the first only")
     parser.add_argument(
