@@ -380,3 +380,58 @@ def test_a_velocity_that_comes_after_its_fix_is_used_at_once():
                 seen.append(i)
                 break
     assert seen[0] == seen[1] <= 62
+
+
+def test_one_wrong_velocity_across_is_no_corner():
+    for wrong in (2.0, 3.0, 4.0):
+        estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
+        for i in range(80):
+            estimator.add_velocity(i, V, wrong if i == 60 else 0.0, 0.1)
+            estimator.add_fix(fix_at(float(i), V * i, 0.0, 3.0))
+            assert estimator.corner is None, (wrong, i)
+        assert estimator.withdrawn_corners == 0
+
+
+def rolled(t, *, onset=60.0, speed=12.0, radius=40.0, accel=A):
+    """Place and velocity of a helicopter that slows to a speed and turns right without a stop."""
+    slowing, arc = (V - speed) / accel, 0.5 * math.pi * radius / speed
+    run = lambda s: V * s - 0.5 * accel * s**2  # noqa: E731
+    if t < onset:
+        return (V * t, 0.0), (V, 0.0)
+    s = t - onset
+    if s < slowing:
+        return (V * onset + run(s), 0.0), (V - accel * s, 0.0)
+    begin, turned = V * onset + run(slowing), min((s - slowing) * speed / radius, 0.5 * math.pi)
+    x, y = begin + radius * math.sin(turned), -radius * (1.0 - math.cos(turned))
+    going = max(0.0, s - slowing - arc)
+    ramp = min(going, slowing)
+    y -= speed * ramp + 0.5 * accel * ramp**2 + V * (going - ramp)
+    v = speed + accel * ramp
+    return (x, y), (v * math.cos(turned), -v * math.sin(turned))
+
+
+@pytest.mark.parametrize("doppler", [True, False])
+def test_a_corner_that_is_rolled_is_told_as_the_stop_that_costs_as_much(doppler):
+    """v = 12, r = 40: where the lines cross is 91 m behind the onset, and s = (142 - 91) / 2."""
+    rng = np.random.default_rng(3)
+    estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
+    phases, corners = [], []
+    for i in range(110):
+        (x, y), velocity = rolled(float(i))
+        if doppler:
+            estimator.add_velocity(i, *(np.array(velocity) + 0.07 * rng.standard_normal(2)), 0.07)
+        noise = (0.4 if doppler else 1.5) * rng.standard_normal(2)
+        estimator.add_fix(fix_at(float(i), x + noise[0], y + noise[1], 1.5))
+        phases.append(estimator.phase(float(i)))
+        if estimator.corner is not None:
+            corners.append(estimator.corner)
+    order = [p for i, p in enumerate(phases) if i == 0 or p is not phases[i - 1]]
+    assert order[1:] == [Phase.CRUISE, Phase.DECELERATING, Phase.ACCELERATING, Phase.CRUISE]
+    assert estimator.withdrawn_corners == 0
+    last = corners[-1]
+    assert (last.stop.x_m, last.stop.y_m) == pytest.approx((V * 60.0 + 91.2, 0.0), abs=12.0)
+    assert last.stop.heading_rad == pytest.approx(0.0, abs=0.05)
+    passed = last.stop_time_s - 0.5 * last.speed_mps / last.accel_mps2
+    assert passed == pytest.approx(60.0 + 91.2 / V, abs=1.0)
+    assert last.stopping_distance_m == pytest.approx(25.5, abs=25.0)
+    assert estimator.leg.foot.heading_rad == pytest.approx(-math.pi / 2.0, abs=0.05)

@@ -276,3 +276,20 @@ def test_a_path_that_ends_beside_the_slot_is_left_when_it_has_been_flown():
     assert listed is not None
     assert listed.mode == "rejoin"
     assert listed.points[-2][0] == pytest.approx(80.0 - 250.0, abs=1.0)
+
+
+@pytest.mark.parametrize("accel", [2.5, 0.9], ids=["planned by a rule", "gone for straight"])
+def test_a_corner_that_is_withdrawn_at_once_leaves_the_uav_on_its_leg(accel):
+    plan = on_leg(0.0)
+    plan.update(100.0)
+    plan.set_phase(Phase.DECELERATING)
+    plan.set_corner(corner(99.0, accel_mps2=accel, time_s=100.0))
+    plan.update(100.0)
+    assert plan.mode is Mode.CORNER
+    now = 101.0
+    plan.set_uav(Motion(now, 20.0, -250.0, 20.0, 0.0))
+    plan.set_helicopter(Motion(now, 20.0, 0.0, 20.0, 0.0))
+    plan.set_phase(Phase.CRUISE)
+    plan.set_leg(leg(now, x=20.0))
+    assert plan.update(now).mode == "leg"
+    assert plan.mode is Mode.LEG

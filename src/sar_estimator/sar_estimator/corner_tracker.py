@@ -43,8 +43,9 @@ STILL_ON_RAD = math.radians(15.0)
 STILL_ON_MPS = 4.0
 STRAIGHT_AGAIN_S = 4.0
 TURNING_RAD = math.radians(20.0)
+CONFIRMED_RAD = math.radians(12.0)
 TURNED_RAD = math.radians(65.0)
-LEAST_STOP_M = 1.0
+LEAST_STOP_M = 3.0
 RIGHT_ANGLE_RAD = 0.5 * math.pi
 
 
@@ -123,7 +124,9 @@ class CornerTracker:
         tracker.settle(motion.time_s - ONSET_REACH_S, self._heading_rad)
         seen = self._watch(motion)
         young = motion.time_s - tracker.begun_s < YOUNG_S
-        if max(seen.slowing, seen.turning) > self._needed and not young:
+        # One wrong velocity looks like a turn for a moment, and none comes without a slow-down.
+        turns = seen.turning > self._needed and abs(self._turned(motion)) > CONFIRMED_RAD
+        if (seen.slowing > self._needed or turns) and not young:
             self._detect(seen, motion)
         elif seen.misfit > MISFIT_LIMIT:
             # It is flown otherwise than was thought: what is to be learnt of it is learnt now.
@@ -157,6 +160,11 @@ class CornerTracker:
         """Return when a corner may have begun [s], as seen at ``until_s`` [s]."""
         return max(self._tracker.begun_s, until_s - ONSET_REACH_S), until_s
 
+    def _turned(self, motion: Motion) -> float:
+        """Return by how much he has turned from the leg [rad]."""
+        assert self._heading_rad is not None
+        return wrap_angle(motion.course_rad - self._heading_rad)
+
     def _tell(self, seen: Watch, motion: Motion) -> None:
         """Tell of the leg as it is known by all rows."""
         means = seen.means
@@ -177,7 +185,7 @@ class CornerTracker:
         assert self.leg is not None
         self.phase = Phase.DECELERATING
         self._cruise_speed_mps = self.leg.speed_mps
-        if seen.turning > seen.slowing:
+        if seen.turning > seen.slowing and abs(self._turned(motion)) > CONFIRMED_RAD:
             self._turning_since_s = motion.time_s
             self._roll(seen, motion)
         else:
@@ -259,7 +267,7 @@ class CornerTracker:
     def _decelerating(self, _rows: list[LegRow], motion: Motion) -> None:
         assert self._heading_rad is not None
         seen = self._watch(motion)
-        turned = wrap_angle(motion.course_rad - self._heading_rad)
+        turned = self._turned(motion)
         if self._turning_since_s is None and (
             seen.turning > self._needed
             and abs(turned) > TURNING_RAD

@@ -138,8 +138,8 @@ class DeadbeatPilot(Pilot):
 
     def update(self, now_s: float) -> Listed | None:
         """Return the mode and the waypoints of a new list when one is due."""
-        if self._keeps(now_s):
-            return None
+        if self._s.phase is Phase.CRUISE and self._led_s <= now_s < self._led_s + WATCH_S:
+            return None  # it keeps its place on a leg, looked at a moment ago: what was said stands
         self.problem = ""
         if self._learn_radius(on_path=self.approach is not None):
             self.good.cancel()  # what wide turns cost in this corner is no bias of the next
@@ -148,18 +148,14 @@ class DeadbeatPilot(Pilot):
         self.problem = "; ".join(note for note in notes if note)
         return listed
 
-    def _keeps(self, now_s: float) -> bool:
-        """Whether the UAV keeps its place on a leg, looked at a moment ago: what was said stands.
-
-        A corner foretold ends the cruise.
-        """
-        return self._s.phase is Phase.CRUISE and self._led_s <= now_s < self._led_s + WATCH_S
-
     def _decide(self, now_s: float) -> Listed | None:
         self._led_s = -math.inf
-        if self.active is not None and not self.active.committed and self._s.went_on:
-            self._leave()
         forecasts = self._s.forecasts(now_s)
+        if self.active is not None and self._s.went_on:
+            # Its corner was none. A path begun is left where the UAV is still on its leg.
+            still_on = bool(forecasts) and self._on_slot(now_s, forecasts[0])
+            if still_on or not self.active.committed:
+                self._leave()
         if not forecasts:
             self.problem = "helicopter's leg not known: the UAV stays on its list"
             return None
