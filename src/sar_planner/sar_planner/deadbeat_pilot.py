@@ -74,6 +74,7 @@ class DeadbeatPilot(Pilot):
         self._holding = False
         self._planned: CornerEstimate | None = None
         self._done_corner = 0
+        self._went_on = False
         self._retry_s = -math.inf
         self._followed_s = -math.inf
         self._corrected_s = -math.inf
@@ -151,10 +152,11 @@ class DeadbeatPilot(Pilot):
     def _decide(self, now_s: float) -> Listed | None:
         self._led_s = -math.inf
         forecasts = self._s.forecasts(now_s)
-        if self.active is not None and self._s.went_on:
-            # Its corner was none. A path begun is left where the UAV is still on its leg.
-            still_on = bool(forecasts) and self._on_slot(now_s, forecasts[0])
-            if still_on or not self.active.committed:
+        given_up, self._went_on = self._s.went_on and not self._went_on, self._s.went_on
+        if self.approach is not None and self._s.went_on and forecasts:
+            # The corner was none: a UAV that is still on its leg, or has not turned, stays there.
+            begun = self.active is None or self.active.committed
+            if not begun or (given_up and self._on_slot(now_s, forecasts[0])):
                 self._leave()
         if not forecasts:
             self.problem = "helicopter's leg not known: the UAV stays on its list"
