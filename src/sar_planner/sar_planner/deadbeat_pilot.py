@@ -326,11 +326,11 @@ class DeadbeatPilot(Pilot):
         return str(Rule.RJ), listed[1]
 
     def _commit_when_due(self, now_s: float) -> None:
-        """Commit to the corner's path when the UAV is about to turn."""
+        """Commit to the corner's path when the UAV is about to turn, or the corner is over."""
         active = self.active
         assert active is not None
         margin = self._mission.reaction_s * active.uav_speed_mps
-        overtaken = self._s.corners_seen > active.k
+        overtaken = self._s.corners_seen > active.k or self._s.phase is not Phase.DECELERATING
         if overtaken or active.plan.turn_start_m - active.flown_m(now_s) < margin + 1e-6:
             self.active = replace(active, committed=True)
             self.good.begin(self._corner.speed_mps)

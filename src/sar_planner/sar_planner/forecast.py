@@ -133,16 +133,19 @@ def cornering(
     accel_mps2: float,
     turn_rad: float = -math.pi / 2.0,
     hover_s: float = 0.0,
+    leaving_mps2: float | None = None,
 ) -> Forecast:
     """Return the forecast of a corner: slow with a, stand at ``stop``, turn, speed up with a.
 
-    ``stop`` carries the incoming heading. With no hover 3 V^2 / 2a of cruise are lost in all, as
+    ``stop`` carries the incoming heading. ``leaving_mps2``: with which it speeds up, where that is
+    another acceleration. With no hover 3 V^2 / 2a of cruise are lost in all, as
     in the paper's T_h = 3V/2a + Y/V.
     """
     stop_s = onset_s + speed_mps / accel_mps2
     stopping = speed_mps**2 / (2.0 * accel_mps2)
     slowing = Stretch(onset_s, stop.offset(-stopping), speed_mps, -accel_mps2)
     out = Pose(stop.x_m, stop.y_m, stop.heading_rad + turn_rad)
-    then = departing(stop_s + hover_s, out, 0.0, speed_mps=speed_mps, accel_mps2=accel_mps2)
+    leaving = accel_mps2 if leaving_mps2 is None else leaving_mps2
+    then = departing(stop_s + hover_s, out, 0.0, speed_mps=speed_mps, accel_mps2=leaving)
     standing = (Stretch(stop_s, out, 0.0),) if hover_s > 0.0 else ()
     return Forecast((slowing, *standing, *then.stretches), out, then.zero_s, speed_mps)

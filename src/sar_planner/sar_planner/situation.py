@@ -33,6 +33,7 @@ LEAST_LOST_S = 0.5
 ROLLED_SHARE = 0.85
 SLOW_SHARE = 0.4
 STRAY_SIGMAS = 2.0
+LEAST_LEAVING_SHARE = 0.9
 
 
 def _passed_s(corner: CornerEstimate) -> float:
@@ -265,6 +266,7 @@ class Situation:
                 speed_mps=estimate.speed_mps,
                 accel_mps2=estimate.accel_mps2,
                 turn_rad=-self._side * math.pi / 2.0,
+                leaving_mps2=self._leaving_mps2(estimate),
             ),
         )
 
@@ -274,9 +276,8 @@ class Situation:
             return ()
         out = self._right_angle(estimate.stop)
         leave_s = max(now_s - UNSEEN_S, estimate.stop_time_s)
-        leaving = departing(
-            leave_s, out, 0.0, speed_mps=estimate.speed_mps, accel_mps2=estimate.accel_mps2
-        )
+        accel = self._leaving_mps2(estimate)
+        leaving = departing(leave_s, out, 0.0, speed_mps=estimate.speed_mps, accel_mps2=accel)
         standing = Forecast(
             (Stretch(now_s, out, 0.0),), out, leave_s + STANDING_S, estimate.speed_mps
         )
@@ -296,7 +297,8 @@ class Situation:
             line = helicopter.pose if turned or self.leg is None else self.leg.foot
             accel = self._corner.accel_mps2
         else:
-            line, speed, accel = self._way_out(helicopter), estimate.speed_mps, estimate.accel_mps2
+            line, speed = self._way_out(helicopter), estimate.speed_mps
+            accel = self._leaving_mps2(estimate)
         along = line.along(helicopter.x_m, helicopter.y_m)
         forward = (
             max(0.0, helicopter.speed_mps * math.cos(helicopter.course_rad - line.heading_rad))
@@ -311,6 +313,13 @@ class Situation:
         early_s = max(estimate.stop_time_s, left_s - SEEN_LATE_S)
         early = departing(early_s, line, 0.0, speed_mps=speed, accel_mps2=accel)
         return (seen, early) if early_s < left_s else (seen,)
+
+    def _leaving_mps2(self, estimate: CornerEstimate) -> float:
+        """Return with what acceleration a corner is expected to be left [m/s^2].
+
+        As it is slowed for; but who eases off the end of that does not speed up the more gently.
+        """
+        return max(estimate.accel_mps2, LEAST_LEAVING_SHARE * self._corner.accel_mps2)
 
     def _right_angle(self, stop: Pose) -> Pose:
         """Return how a corner is expected to be left: turned to the pattern's side."""
