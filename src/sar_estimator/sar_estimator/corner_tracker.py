@@ -111,7 +111,6 @@ class CornerTracker:
         self._tracker.begin(rows[0].time_s, position, velocity)
         for row in rows:
             self._tracker.add(row)
-        self._heading_rad = None
 
     def _cruise(self, _rows: list[LegRow], motion: Motion) -> None:
         if self.leg is None:
@@ -119,8 +118,7 @@ class CornerTracker:
             return
         self._still_since_s = None
         tracker = self._tracker
-        if self._heading_rad is None:
-            self._heading_rad = motion.course_rad
+        assert self._heading_rad is not None
         tracker.settle(motion.time_s - ONSET_REACH_S, self._heading_rad)
         seen = self._watch(motion)
         young = motion.time_s - tracker.begun_s < YOUNG_S
@@ -205,12 +203,11 @@ class CornerTracker:
 
     def _infer(self, motion: Motion) -> StopPosterior:
         assert self._heading_rad is not None
-        first, last = self._onset_range_s(self._detected_s)
         return stop_posterior(
             self._tracker.rows,
             self._tracker.belief,
             self._heading_rad,
-            onset_range_s=(first, last),
+            onset_range_s=self._onset_range_s(self._detected_s),
             accel_prior=self._prior,
             origin_m=(motion.x_m, motion.y_m),
             refinements=REFINEMENTS,

@@ -212,7 +212,7 @@ class HumanHelicopter:
         pilot, rng = self._pilot, self._rng
         kinds, spread, through = rng.uniform(size=3), rng.standard_normal(2), rng.uniform(-1.0, 1.0)
         accels = self._accel * np.exp(pilot.accel_spread * spread)
-        if pilot.is_human and pilot.kind != "robot":
+        if pilot.kind != "robot":
             accels = np.clip(accels, pilot.accel_low_mps2, pilot.accel_high_mps2)
         speed = 0.0
         if kinds[0] < pilot.roll_share:
@@ -241,8 +241,8 @@ class HumanHelicopter:
             wobble,
         )
 
-    def _fly(self, lengths_m: list[float]) -> list[tuple[int, int, _Corner, float]]:
-        """Fly every leg; return of every corner the steps of onset and of its end, and how."""
+    def _fly(self, lengths_m: list[float]) -> list[tuple[int, int, float]]:
+        """Fly every leg; return each corner's steps of onset and end, and the speed before it."""
         pilot, rng = self._pilot, self._rng
         marks = []
         left_out, speed, error = 0.0, self._speed, 0.0
@@ -273,7 +273,7 @@ class HumanHelicopter:
             onset = self._count
             self._add(slow)
             self._add(out)
-            marks.append((onset, self._count, corner, end_speed))
+            marks.append((onset, self._count, end_speed))
             if odd == "break_off":
                 self._cruise(BROKEN_OFF_S * next_speed, next_speed, next_speed)
                 break
@@ -334,7 +334,7 @@ class HumanHelicopter:
 
     # The wander, and both together --------------------------------------------------------------
 
-    def _lay(self, marks: list[tuple[int, int, _Corner, float]]) -> None:
+    def _lay(self, marks: list[tuple[int, int, float]]) -> None:
         """Integrate the reference, add the wander, and note the corners."""
         pilot = self._pilot
         speeds = np.concatenate([part.speeds for part in self._parts])
@@ -370,13 +370,13 @@ class HumanHelicopter:
     def _truth(
         self,
         k: int,
-        mark: tuple[int, int, _Corner, float],
+        mark: tuple[int, int, float],
         places: FloatArray,
         headings: FloatArray,
         offsets: FloatArray,
     ) -> CornerTruth:
         """Return a corner as flown. Its legs' lines cross at the stop."""
-        onset, end, _, speed = mark
+        onset, end, speed = mark
         x, y = places[onset].tolist()
         before = Pose(x, y, float(headings[onset]))
         x, y = places[end].tolist()
