@@ -60,6 +60,8 @@ def test_onsets_are_close_for_the_newest_and_all_within_their_range():
     assert np.diff(found)[-1] == pytest.approx(0.25)
     assert np.diff(found).max() == pytest.approx(0.5)
     assert onsets(40.0, 40.0).tolist() == [40.0]
+    assert onsets(1.8e9, 1.8e9).tolist() == [1.8e9]
+    assert np.sort(onsets(1.8e9 - 10.0, 1.8e9)) - 1.8e9 == pytest.approx(found - 40.0, abs=1e-6)
 
 
 def exact_log_ratio(rows, belief, shape):

@@ -382,6 +382,34 @@ def test_a_velocity_that_comes_after_its_fix_is_used_at_once():
     assert seen[0] == seen[1] <= 62
 
 
+def foretold(begin_s):
+    """Corners foretold of a flight with velocities after their fixes, times since ``begin_s``."""
+    rng = np.random.default_rng(4)
+    estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
+    found = []
+    for t in range(120):
+        x, speed = along(t, 40.3)
+        away = min(max(t - 55.0, 0.0), V / A)
+        y = -0.5 * A * away**2 - V * max(t - 55.0 - V / A, 0.0)
+        noise = 0.4 * rng.standard_normal(2)
+        estimator.add_fix(fix_at(begin_s + t, x + noise[0], y + noise[1], 0.5))
+        estimator.add_velocity(begin_s + t, speed, -A * away, 0.07)
+        corner = estimator.corner
+        found.append((str(estimator.phase(begin_s + t)), corner and corner.stop_time_s - begin_s))
+    return found
+
+
+def test_times_of_the_epoch_do_as_well_as_small_ones():
+    """A double is no finer than 0.2 us there: as fine as a tolerance must be."""
+    small, large = foretold(0.0), foretold(1.8e9)
+    phases = [phase for phase, _ in small]
+    assert {"cruise", "decelerating", "stopped", "accelerating"} == set(phases)
+    assert phases[-1] == "cruise"
+    assert [phase for phase, _ in large] == [phase for phase, _ in small]
+    for (_, one), (_, other) in zip(small, large, strict=True):
+        assert one == pytest.approx(other, abs=1e-2)
+
+
 def test_one_wrong_velocity_across_is_no_corner():
     for wrong in (2.0, 3.0, 4.0):
         estimator = HelicopterEstimator(EstimatorParameters(), DATUM)

@@ -84,14 +84,48 @@ def test_bad_files_are_one_line(tmp_path, capsys, header, rows, message):
     assert error.count("\n") == 1
 
 
+def test_velocities_of_a_track_are_used_where_it_has_them(tmp_path, capsys):
+    """A turn of 10 deg/s begins at 40 s; positions alone show it later."""
+    datum = Datum(37.8, -122.8)
+    rows, at, turned = [], np.zeros(2), []
+    for t in range(60):
+        course = math.radians(90.0 + (0.0 if t < 40 else 10.0 * (t - 40)))
+        turned.append(course)
+        latitude, longitude, _ = datum.to_geodetic(*at)
+        known = f"40.0,{math.degrees(course)}" if t != 5 else ","
+        rows.append(f"{t},{latitude:.9f},{longitude:.9f},{known}")
+        at = at + 40.0 * np.array((math.sin(course), math.cos(course)))
+    header = "time_s,latitude_deg,longitude_deg,groundspeed_mps,track_deg"
+    track = write(tmp_path / "t.csv", rows, header)
+    courses = {}
+    for sigma in ("1.0", "inf"):
+        out = tmp_path / f"{sigma}.csv"
+        assert main([str(track), "--out", str(out), "--velocity-sigma", sigma]) == 0
+        found = read(out)
+        courses[sigma] = np.arctan2(found["vx_mps"], found["vy_mps"])[44:50] - turned[44:50]
+    assert np.abs(courses["1.0"]).max() < 0.5 * np.abs(courses["inf"]).max()
+    assert main([str(track), "--out", str(out), "--velocity-sigma", "0"]) == 2
+    assert "--velocity-sigma = 0.0: expected a positive number" in capsys.readouterr().err
+
+
 def test_missing_file(tmp_path, capsys):
     assert main([str(tmp_path / "none.csv"), "--out", str(tmp_path / "e.csv")]) == 2
     assert "none.csv" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(not REAL.exists(), reason=f"{REAL.name}: recorded track not here")
-@pytest.mark.parametrize("options", [[], ["--sigma", "10"]], ids=["default", "sigma 10"])
-def test_real_helicopter_with_repeated_fixes(tmp_path, options):
+@pytest.mark.parametrize(
+    ("options", "most"),
+    [
+        ([], 0.5),
+        (["--sigma", "10"], 0.5),
+        (["--velocity-sigma", "inf"], 0.65),
+        (["--velocity-sigma", "inf", "--sigma", "10"], 0.65),
+    ],
+    ids=["default", "sigma 10", "positions only", "positions only, sigma 10"],
+)
+def test_real_helicopter_with_repeated_fixes(tmp_path, options, most):
+    """``most``: of the next position's error, 90 %, over that of going on as since the last one."""
     out = tmp_path / "e.csv"
     assert main([str(REAL), "--out", str(out), *options]) == 0
     found = read(out)
@@ -111,10 +145,14 @@ def test_real_helicopter_with_repeated_fixes(tmp_path, options):
     assert np.abs(step - speed)[repeated[1:]].max() < 3.0
     datum = Datum(fixes[0].latitude_deg, fixes[0].longitude_deg)
     measured = np.array([datum.to_local(f.latitude_deg, f.longitude_deg)[:2] for f in fixes])
-    fresh = ~repeated[1:]
-    error = np.hypot(
-        *(np.column_stack((found["next_x_m"], found["next_y_m"]))[:-1] - measured[1:]).T
-    )
-    naive = np.hypot(*(2 * measured[1:-1] - measured[:-2] - measured[2:]).T)
-    assert np.median(error[fresh][10:]) < np.median(naive)
-    assert math.isfinite(error.max())
+    ahead = np.column_stack((found["next_x_m"], found["next_y_m"]))
+    fresh = np.flatnonzero(~repeated)[11:]
+    times = np.array([fix.time_s for fix in fixes])
+    naive, error = [], []
+    for before, last, now in zip(fresh, fresh[1:], fresh[2:], strict=False):
+        velocity = (measured[last] - measured[before]) / (times[last] - times[before])
+        expected = measured[last] + velocity * (times[now] - times[last])
+        naive.append(math.dist(expected, measured[now]))
+        error.append(math.dist(ahead[now - 1], measured[now]))
+    assert np.percentile(error, 90) < most * np.percentile(naive, 90)
+    assert np.median(error) < np.median(naive)

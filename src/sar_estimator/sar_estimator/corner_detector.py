@@ -333,10 +333,20 @@ def _watched(
 
 
 def onsets(from_s: float, until_s: float) -> FloatArray:
-    """Return the onsets that are weighed, shape (n,): close for the newest, then farther apart."""
-    near = np.arange(until_s, max(from_s, until_s - FINE_S) - 1e-9, -ONSET_STEP_S)
-    far = np.arange(until_s - FINE_S, from_s - 1e-9, -COARSE_STEP_S)[1:]
-    return np.concatenate((near, far))
+    """Return the onsets that are weighed, shape (n,): close for the newest, then farther apart.
+
+    There is always one, ``until_s``. They are laid out from there, since a time may be of the
+    epoch, where a double is no finer than 0.2 us.
+    """
+    ago_s = until_s - from_s
+    near = ONSET_STEP_S * np.arange(_steps(min(ago_s, FINE_S), ONSET_STEP_S) + 1)
+    far = FINE_S + COARSE_STEP_S * np.arange(1, _steps(ago_s - FINE_S, COARSE_STEP_S) + 1)
+    return until_s - np.concatenate((near, far))
+
+
+def _steps(length: float, step: float) -> int:
+    """Return how many whole steps a length has room for, but for rounding."""
+    return max(0, math.floor(length / step + 1e-5))
 
 
 def watch(
@@ -467,7 +477,8 @@ def stop_posterior(
     ``log_bayes_factor`` is that of "slowing" against the leg alone.
     """
     accels, log_weights = decelerations(accel_prior)
-    grid = np.arange(onset_range_s[0], onset_range_s[1] + 1e-9, ONSET_STEP_S)
+    from_s, until_s = onset_range_s
+    grid = from_s + ONSET_STEP_S * np.arange(_steps(until_s - from_s, ONSET_STEP_S) + 1)
     seen, means, covariance = filtered(rows, *belief[:-2], heading_rad)
     seen[:, VARIANCE] *= belief.along
     measured = (seen, means, covariance, heading_rad, origin_m)

@@ -6,15 +6,20 @@ import argparse
 import csv
 import math
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from pathlib import Path
 
 from sar_estimator.estimator import HelicopterEstimator
 from sar_estimator.fixes import Fix
 from sar_estimator.geodesy import Datum
 from sar_estimator.parameters import EstimatorParameters
-from sar_estimator.track_csv import read_track
+from sar_estimator.track_csv import read_track, read_velocities
 
+TRANSPONDER_SIGMA_MPS = 3.0
+"""Of a velocity in a recorded track [m/s]. Most are of ADS-B: NACv 2 is 3 m/s in 95 %, but the
+message is up to a second old, in which a turning helicopter changes by as much again."""
 COLUMNS = (
     "time_s",
     "x_m",
@@ -29,11 +34,21 @@ COLUMNS = (
 )
 
 
-def filter_fixes(fixes: list[Fix], estimator: HelicopterEstimator) -> list[tuple[float | str, ...]]:
-    """Filter a track; one row of ``COLUMNS`` per fix, with NaN where nothing is known yet."""
+def filter_fixes(
+    fixes: list[Fix],
+    estimator: HelicopterEstimator,
+    velocities: Sequence[tuple[float, float]] = (),
+    velocity_sigma_mps: float = TRANSPONDER_SIGMA_MPS,
+) -> list[tuple[float | str, ...]]:
+    """Filter a track; one row of ``COLUMNS`` per fix, with NaN where nothing is known yet.
+
+    ``velocities``: east and north [m/s] with every fix, NaN where it has none; or none at all.
+    """
     rows: list[tuple[float | str, ...]] = []
-    for i, fix in enumerate(fixes):
+    for i, (fix, velocity) in enumerate(zip_longest(fixes, velocities)):
         estimator.add_fix(fix)
+        if velocity is not None and math.isfinite(sum(velocity)):
+            estimator.add_velocity(fix.time_s, *velocity, velocity_sigma_mps)
         now = estimator.predict(fix.time_s) if math.isfinite(fix.time_s) else None
         if now is None:
             rows.append((fix.time_s, *([math.nan] * 6), "lost", math.nan, math.nan))
@@ -60,9 +75,20 @@ def _cell(value: float | str) -> str:
 def main(argv: list[str] | None = None) -> int:
     """Run the command; 2 on bad input."""
     parser = argparse.ArgumentParser(prog="filter_track", description=__doc__)
-    parser.add_argument("track", type=Path, help="CSV: time_s, latitude_deg, longitude_deg, ...")
+    parser.add_argument(
+        "track",
+        type=Path,
+        help="CSV: time_s, latitude_deg, longitude_deg; groundspeed_mps and track_deg are used "
+        "where it has them",
+    )
     parser.add_argument("--out", type=Path, required=True, help="CSV to write")
     parser.add_argument("--sigma", type=float, help="standard deviation of the fixes [m]")
+    parser.add_argument(
+        "--velocity-sigma",
+        type=float,
+        default=TRANSPONDER_SIGMA_MPS,
+        help="standard deviation of the track's velocities [m/s]; inf: do not use them",
+    )
     parser.add_argument(
         "--datum", type=float, nargs=2, metavar=("LAT", "LON"), help="map origin [deg]"
     )
@@ -73,7 +99,12 @@ def main(argv: list[str] | None = None) -> int:
             parameters = replace(parameters, default_fix_sigma_m=args.sigma)
         datum = Datum(*args.datum) if args.datum else None
         estimator = HelicopterEstimator(parameters, datum)
-        rows = filter_fixes(read_track(args.track), estimator)
+        if not args.velocity_sigma > 0.0:
+            raise ValueError(
+                f"--velocity-sigma = {args.velocity_sigma}: expected a positive number"
+            )
+        velocities = read_velocities(args.track) if math.isfinite(args.velocity_sigma) else ()
+        rows = filter_fixes(read_track(args.track), estimator, velocities, args.velocity_sigma)
         with args.out.open("w", newline="", encoding="utf-8") as stream:
             writer = csv.writer(stream)
             writer.writerow(COLUMNS)

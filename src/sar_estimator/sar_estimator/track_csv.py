@@ -1,8 +1,9 @@
-"""Tracks as CSV: time_s, latitude_deg, longitude_deg and optionally altitude_m."""
+"""Tracks as CSV: time_s, latitude_deg, longitude_deg; altitude_m, groundspeed_mps, track_deg."""
 
 from __future__ import annotations
 
 import csv
+import math
 from pathlib import Path
 
 from sar_estimator.fixes import Fix
@@ -32,6 +33,24 @@ def read_track(path: Path) -> list[Fix]:
     if not fixes:
         raise ValueError(f"{path}: no rows: expected at least one fix")
     return fixes
+
+
+def read_velocities(path: Path) -> list[tuple[float, float]]:
+    """Read every row's velocity east and north [m/s], NaN where it has none.
+
+    Raises ``ValueError`` as ``read_track`` does.
+    """
+    found = []
+    with path.open(newline="", encoding="utf-8") as stream:
+        reader = csv.DictReader(stream)
+        for row in reader:
+            speed, course = (
+                _number(path, reader.line_num, name, row.get(name))
+                for name in ("groundspeed_mps", "track_deg")
+            )
+            course = math.radians(course)
+            found.append((speed * math.sin(course), speed * math.cos(course)))
+    return found
 
 
 def _number(path: Path, line: int, name: str, text: str | None) -> float:
