@@ -7,6 +7,7 @@ from sar_estimator.corner_detector import (
     ALONG,
     VARIANCE,
     AccelPrior,
+    Decelerations,
     deviation,
     filtered,
     hypotheses,
@@ -194,3 +195,27 @@ def test_prior_expects_an_unbiased_stopping_distance():
     mean_inverse = float(np.exp(log_weights) @ (1.0 / accels))
     assert 1.0 / mean_inverse == pytest.approx(2.5, rel=0.01)
     assert math.isclose(accels[len(accels) // 2], 2.5 * math.exp(0.045))
+
+
+def test_decelerations_are_expected_as_they_were_seen():
+    """Student's t of a conjugate prior: from what is expected first to what the pilot does."""
+    seen = Decelerations(2.5, 0.3)
+    assert (seen.expected.centre_mps2, seen.expected.spread) == pytest.approx((2.5, 0.3))
+    for alike in range(20):
+        seen.add(2.0)
+        assert seen.expected.spread < 0.4, alike
+    assert seen.expected.centre_mps2 == pytest.approx(2.0, rel=0.03)
+    assert seen.expected.spread == pytest.approx(0.1, abs=0.02)
+    rng, seen = np.random.default_rng(2), Decelerations(2.5, 0.3)
+    for accel in 2.2 * np.exp(0.35 * rng.standard_normal(60)):
+        seen.add(accel)
+    assert seen.expected.spread == pytest.approx(0.35, abs=0.06)
+
+
+@pytest.mark.parametrize("accel", [0.05, 30.0])
+def test_what_is_learnt_of_decelerations_stays_within_reason(accel):
+    seen = Decelerations(2.5, 0.3)
+    for _ in range(30):
+        seen.add(accel)
+    assert 2.5 / 1.8 <= seen.expected.centre_mps2 <= 2.5 * 1.8
+    assert 0.1 <= seen.expected.spread <= 0.5

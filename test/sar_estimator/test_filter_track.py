@@ -104,8 +104,9 @@ def test_velocities_of_a_track_are_used_where_it_has_them(tmp_path, capsys):
         found = read(out)
         courses[sigma] = np.arctan2(found["vx_mps"], found["vy_mps"])[44:50] - turned[44:50]
     assert np.abs(courses["1.0"]).max() < 0.5 * np.abs(courses["inf"]).max()
-    assert main([str(track), "--out", str(out), "--velocity-sigma", "0"]) == 2
-    assert "--velocity-sigma = 0.0: expected a positive number" in capsys.readouterr().err
+    with pytest.raises(SystemExit, match="2"):
+        main([str(track), "--out", str(out), "--velocity-sigma", "0"])
+    assert "--velocity-sigma: 0: expected a positive number" in capsys.readouterr().err
 
 
 def test_missing_file(tmp_path, capsys):

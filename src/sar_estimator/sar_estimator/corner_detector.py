@@ -36,6 +36,9 @@ ACCEL_STEPS = 9
 ACCEL_SIGMAS = 2.2
 FINE_STEPS = 17
 MIN_TIME_SIGMA_S = 0.05
+PRIOR_CORNERS = 1.0  # that the expectation before any was seen is worth
+SPREAD_RANGE = (0.1, 0.5)
+LEARNT_RANGE = 1.8
 FINE_S, COARSE_STEP_S = 4.0, 0.5
 NEGLIGIBLE_LOG = -45.0  # less than a double's rounding, 10,000 times over
 TURN_ACCELS_MPS2 = np.array([2.0, 2.8, 4.0])
@@ -70,6 +73,39 @@ class AccelPrior:
     def log_density(self, log_accels: FloatArray) -> FloatArray:
         """Return the unnormalised log density at log accelerations, the same shape."""
         return np.asarray(-0.5 * ((log_accels - math.log(self._median)) / self.spread) ** 2)
+
+
+class Decelerations:
+    """What the corners of a flight tell of the decelerations to come.
+
+    Their logarithms are normal, of a mean and a variance that are both learnt (conjugate prior,
+    normal and inverse gamma; Gelman et al. 2013, *Bayesian Data Analysis*, section 3.3): of a pilot
+    who always slows alike the next is known well, of another it is not.
+    """
+
+    def __init__(self, centre_mps2: float, spread: float) -> None:
+        """Expect a harmonic mean [m/s^2] and a relative spread before any corner was seen."""
+        self._count, self._shape = PRIOR_CORNERS, 0.5 * PRIOR_CORNERS + 0.5
+        self._mean = math.log(centre_mps2) + 0.5 * spread**2
+        self._scale = spread**2 * self._shape * self._count / (self._count + 1.0)
+        self._first = centre_mps2
+
+    def add(self, accel_mps2: float) -> None:
+        """Take a corner's deceleration [m/s^2]."""
+        off = math.log(accel_mps2) - self._mean
+        self._scale += 0.5 * self._count / (self._count + 1.0) * off**2
+        self._shape += 0.5
+        self._count += 1.0
+        self._mean += off / self._count
+
+    @property
+    def expected(self) -> AccelPrior:
+        """What is expected of the next, within reason."""
+        variance = self._scale / self._shape * (self._count + 1.0) / self._count
+        spread = min(max(math.sqrt(variance), SPREAD_RANGE[0]), SPREAD_RANGE[1])
+        centre = math.exp(self._mean - 0.5 * spread**2)
+        centre = min(max(centre, self._first / LEARNT_RANGE), self._first * LEARNT_RANGE)
+        return AccelPrior(centre, spread)
 
 
 class Watch(NamedTuple):
@@ -478,7 +514,8 @@ def stop_posterior(
     """
     accels, log_weights = decelerations(accel_prior)
     from_s, until_s = onset_range_s
-    grid = from_s + ONSET_STEP_S * np.arange(_steps(until_s - from_s, ONSET_STEP_S) + 1)
+    count = _steps(until_s - from_s, ONSET_STEP_S) + 1
+    grid: FloatArray = from_s + ONSET_STEP_S * np.arange(count, dtype=np.float64)
     seen, means, covariance = filtered(rows, *belief[:-2], heading_rad)
     seen[:, VARIANCE] *= belief.along
     measured = (seen, means, covariance, heading_rad, origin_m)

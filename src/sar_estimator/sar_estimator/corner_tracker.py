@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from sar_estimator.corner_detector import (
-    AccelPrior,
+    Decelerations,
     StopPosterior,
     Watch,
     filtered,
@@ -26,8 +26,6 @@ STANDSTILL_MPS = 2.0
 STANDSTILL_S = 5.0
 MOVING_MPS = 3.0
 LEFT_STOP_M = 8.0
-LEARNT_SPREAD_FLOOR = 0.1
-LEARNT_RANGE = 1.8
 STOP_CONFIRM_S = 2.0
 STOPPED_SHARE = 0.4
 MOVING_FIXES = 2
@@ -63,7 +61,8 @@ class CornerTracker:
         """Begin with nothing known."""
         self._p = parameters
         self._tracker = LegTracker(LegProcess(parameters.wander_prior_mps))
-        self._prior = AccelPrior(parameters.accel_prior_mps2, parameters.accel_prior_spread)
+        self._seen = Decelerations(parameters.accel_prior_mps2, parameters.accel_prior_spread)
+        self._prior = self._seen.expected
         self._heading_rad: float | None = None
         self._posterior: StopPosterior | None = None
         self._detected_s = -math.inf
@@ -361,16 +360,9 @@ class CornerTracker:
             self._begin_moving(motion)
 
     def _learn(self, posterior: StopPosterior) -> None:
-        """Sharpen the prior on a with a corner that was flown to its stop, within reason."""
-        spread = max(LEARNT_SPREAD_FLOOR, posterior.accel_sigma_mps2 / posterior.accel_mps2)
-        old, new = 1.0 / self._prior.spread**2, 1.0 / spread**2
-        centre = math.exp(
-            (old * math.log(self._prior.centre_mps2) + new * math.log(posterior.accel_mps2))
-            / (old + new)
-        )
-        first = self._p.accel_prior_mps2
-        centre = min(first * LEARNT_RANGE, max(first / LEARNT_RANGE, centre))
-        self._prior = AccelPrior(centre, max(LEARNT_SPREAD_FLOOR, math.sqrt(1.0 / (old + new))))
+        """Learn from a corner that was flown to its stop how decelerations are distributed."""
+        self._seen.add(posterior.accel_mps2)
+        self._prior = self._seen.expected
 
     # Standing, and away again ------------------------------------------------------------------
 

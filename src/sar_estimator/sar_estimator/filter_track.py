@@ -48,7 +48,7 @@ def filter_fixes(
     for i, (fix, velocity) in enumerate(zip_longest(fixes, velocities)):
         estimator.add_fix(fix)
         if velocity is not None and math.isfinite(sum(velocity)):
-            estimator.add_velocity(fix.time_s, *velocity, velocity_sigma_mps)
+            estimator.add_velocity(fix.time_s, velocity[0], velocity[1], velocity_sigma_mps)
         now = estimator.predict(fix.time_s) if math.isfinite(fix.time_s) else None
         if now is None:
             rows.append((fix.time_s, *([math.nan] * 6), "lost", math.nan, math.nan))
@@ -72,6 +72,13 @@ def _cell(value: float | str) -> str:
     return "" if math.isnan(value) else f"{value:.6f}"
 
 
+def _positive(text: str) -> float:
+    value = float(text)
+    if not value > 0.0:
+        raise argparse.ArgumentTypeError(f"{text}: expected a positive number")
+    return value
+
+
 def main(argv: list[str] | None = None) -> int:
     """Run the command; 2 on bad input."""
     parser = argparse.ArgumentParser(prog="filter_track", description=__doc__)
@@ -85,7 +92,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--sigma", type=float, help="standard deviation of the fixes [m]")
     parser.add_argument(
         "--velocity-sigma",
-        type=float,
+        type=_positive,
         default=TRANSPONDER_SIGMA_MPS,
         help="standard deviation of the track's velocities [m/s]; inf: do not use them",
     )
@@ -99,10 +106,6 @@ def main(argv: list[str] | None = None) -> int:
             parameters = replace(parameters, default_fix_sigma_m=args.sigma)
         datum = Datum(*args.datum) if args.datum else None
         estimator = HelicopterEstimator(parameters, datum)
-        if not args.velocity_sigma > 0.0:
-            raise ValueError(
-                f"--velocity-sigma = {args.velocity_sigma}: expected a positive number"
-            )
         velocities = read_velocities(args.track) if math.isfinite(args.velocity_sigma) else ()
         rows = filter_fixes(read_track(args.track), estimator, velocities, args.velocity_sigma)
         with args.out.open("w", newline="", encoding="utf-8") as stream:

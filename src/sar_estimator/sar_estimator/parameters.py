@@ -37,7 +37,7 @@ class EstimatorParameters:
     turn_accel_sigma_mps2: float = 3.0
     wander_prior_mps: float = 0.2
     detect_log_bayes: float = 5.25
-    detect_positions_extra: float = 1.0
+    detect_positions_extra: float = 0.5
     accel_prior_mps2: float = 2.5
     accel_prior_spread: float = 0.3
     min_cruise_mps: float = 5.0
