@@ -10,11 +10,13 @@ LEAST_STEP_S = 0.19
 def trimmed_mps(
     lag_m: float, speed_mps: float, *, gain: float, trim: float, off_mps: float = 0.0
 ) -> float:
-    """Return the ground speed [m/s] that takes out a lag [m]: V + off + gain L, in V (1 +- trim).
+    """Return the ground speed [m/s] that takes out a lag [m]: V + off + gain L.
 
-    ``off_mps``: by how much the helicopter is faster at present than V.
+    ``off_mps``: by how much the helicopter is faster at present than V. It and the correction are
+    each kept within V ``trim``, so that a lag is still taken out behind who flies fast for a while.
     """
-    return speed_mps + min(max(off_mps + gain * lag_m, -trim * speed_mps), trim * speed_mps)
+    most = trim * speed_mps
+    return speed_mps + min(max(off_mps, -most), most) + min(max(gain * lag_m, -most), most)
 
 
 class MadeGood:
