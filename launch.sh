@@ -96,7 +96,7 @@ build
 set +u && . install/setup.bash && set -u
 if [ ! install/.compiled -nt install/.built ]; then
     # What becomes machine code becomes it now, not when a flight begins.
-    python -c 'import sar_sim.offline' || fail "the build does not run"
+    python -c 'import sar_sim.flight.offline' || fail "the build does not run"
     touch install/.compiled
 fi
 for option in "$@"; do

@@ -1,5 +1,7 @@
 """What holds for the whole tree."""
 
+import ast
+import graphlib
 import re
 import subprocess
 from dataclasses import fields
@@ -9,19 +11,51 @@ from xml.etree import ElementTree as ET
 import pytest
 import yaml
 
-from sar_bridge.separation_monitor import MonitorParameters
-from sar_estimator.parameters import EstimatorParameters
-from sar_planner.mission_parameters import MissionParameters
-from sar_planner.parameters import CornerParameters
+from sar_bridge.monitor.separation_monitor import MonitorParameters
+from sar_estimator.estimation.parameters import EstimatorParameters
+from sar_planner.parameters.corner import CornerParameters
+from sar_planner.parameters.mission import MissionParameters
 
 ROOT = Path(__file__).parents[1]
-SOURCES = sorted((ROOT / "src").glob("*/sar_*/*.py"))
-INPUT_OUTPUT = {"node_support", "link", "processes", "home_link", "pool", "kept"}
-PURE = [
-    path
-    for path in SOURCES
-    if not path.stem.endswith(("_node", "_cli")) and path.stem not in INPUT_OUTPUT
-]
+SOURCES = sorted((ROOT / "src").glob("*/sar_*/**/*.py"))
+SHELLS = {
+    "sar_bridge/mavlink/link",
+    "sar_estimator/common/node_support",
+    "sar_sim/autopilot/home_link",
+    "sar_sim/autopilot/link",
+    "sar_sim/jobs/pool",
+    "sar_sim/jobs/processes",
+    "sar_sim/jobs/result_cache",
+    "sar_sim/launch/dds_cut",
+    "sar_sim/scenario/options",
+    "sar_sim/trials/fault_runs",
+}
+CLOCKS_AND_PROCESSES = {"rclpy", "serial", "signal", "socket", "subprocess", "threading", "time"}
+
+
+def name_of(path):
+    """Return a module's path inside its package folder, without the suffix."""
+    return path.relative_to(ROOT / "src").with_suffix("").as_posix().partition("/")[2]
+
+
+def is_shell(path):
+    """Whether a module may read clocks and start processes: nodes, commands, and few others."""
+    return (
+        path.stem.endswith(("_node", "_cli")) or "/cli/" in name_of(path) or name_of(path) in SHELLS
+    )
+
+
+def imported(path):
+    """Return the modules that a file imports, at any depth of its code."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+    return found
+
+
 UNSET = {
     "taylor_y_m": "0 (exact)",
     "min_separation_m": "0 (0.8 d)",
@@ -40,22 +74,39 @@ def test_one_version():
     assert f"## {versions.pop()}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.stem)
-def test_nodes_alone_import_rclpy(path):
-    text = path.read_text(encoding="utf-8")
-    imports = re.findall(r"^[ \t]*(?:from|import) rclpy\S*", text, re.MULTILINE)
-    assert imports == [] or path.stem.endswith("_node") or path.stem == "node_support"
+def test_shells_are_modules():
+    assert set(map(name_of, SOURCES)) >= SHELLS
 
 
-@pytest.mark.parametrize("path", PURE, ids=lambda path: path.stem)
-def test_pure_modules_read_no_clock(path):
-    text = path.read_text(encoding="utf-8")
-    if path.stem != "options":
-        assert "time.time(" not in text
-        assert "time.monotonic(" not in text
+@pytest.mark.parametrize("path", SOURCES, ids=name_of)
+def test_only_shells_know_rclpy_clocks_and_processes(path):
+    known = {name.partition(".")[0] for name in imported(path)} & CLOCKS_AND_PROCESSES
+    if path.stem.endswith("_node") or path.stem == "node_support":
+        return
+    assert "rclpy" not in known
+    assert not known or is_shell(path), known
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.stem)
+def test_rooms_lead_to_each_other_without_circles():
+    rooms = {}
+    modules = {name_of(path).replace("/", "."): path for path in SOURCES}
+    for name, path in modules.items():
+        room = name.rpartition(".")[0]
+        wanted = {one.rpartition(".")[0] for one in imported(path) & modules.keys()}
+        if "." in room:
+            rooms.setdefault(room, set()).update(wanted - {room})
+    assert list(graphlib.TopologicalSorter(rooms).static_order())
+
+
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / "test").glob("sar_*/**/test_*.py")), ids=lambda path: path.stem
+)
+def test_tests_stand_in_the_room_of_what_they_test(path):
+    package, *rooms = path.relative_to(ROOT / "test").parent.parts
+    assert (ROOT / "src" / package / package / Path(*rooms) / "__init__.py").is_file()
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=name_of)
 def test_files_are_short(path):
     limit = 250 if path.stem.endswith("_node") else 600
     assert len(path.read_text(encoding="utf-8").splitlines()) <= limit
@@ -64,7 +115,7 @@ def test_files_are_short(path):
 def test_every_executable_is_documented():
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     for setup in (ROOT / "src").glob("*/setup.py"):
-        for name in re.findall(r'"(\w+) = \w+\.\w+:main"', setup.read_text(encoding="utf-8")):
+        for name in re.findall(r'"(\w+) = [\w.]+:main"', setup.read_text(encoding="utf-8")):
             assert f"`{name}" in readme or f" {name} " in readme, name
 
 

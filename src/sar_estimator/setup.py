@@ -14,7 +14,7 @@ setup(
     description=MANIFEST.findtext("description"),
     license="Apache-2.0",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={NAME: ["py.typed", "loopback.xml"]},
+    package_data={NAME: ["py.typed", "common/loopback.xml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
@@ -25,7 +25,7 @@ setup(
     entry_points={
         "console_scripts": [
             "estimator = sar_estimator.estimator_node:main",
-            "filter_track = sar_estimator.filter_track:main",
+            "filter_track = sar_estimator.cli.filter_track:main",
         ],
     },
 )

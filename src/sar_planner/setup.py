@@ -25,8 +25,8 @@ setup(
     entry_points={
         "console_scripts": [
             "planner = sar_planner.planner_node:main",
-            "replan_benchmark = sar_planner.benchmark_cli:main",
-            "corner = sar_planner.corner_cli:main",
+            "replan_benchmark = sar_planner.cli.replan_benchmark:main",
+            "corner = sar_planner.cli.corner:main",
         ],
     },
 )

@@ -7,11 +7,11 @@ from itertools import pairwise
 import pytest
 import yaml
 
-from sar_estimator import topics
-from sar_sim.bag import read_messages
-from sar_sim.dds_cut import IN_OWN_NETWORK, own_network_possible
-from sar_sim.options import find_scenario
-from sar_sim.scenario import Fault, load_scenario, scenario_document
+from sar_estimator.common import topics
+from sar_sim.bags.bag import read_messages
+from sar_sim.launch.dds_cut import IN_OWN_NETWORK, own_network_possible
+from sar_sim.scenario.options import find_scenario
+from sar_sim.scenario.scenario import Fault, load_scenario, scenario_document
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(180)]
 

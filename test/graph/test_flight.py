@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sar_estimator.parameters import VELOCITY_SIGMA_MPS, EstimatorParameters
-from sar_sim.bag import open_bag, read_messages
-from sar_sim.offline import OfflineFlight
-from sar_sim.options import find_scenario
-from sar_sim.replay import Tolerance
-from sar_sim.replay_cli import replayed
-from sar_sim.scenario import load_scenario
+from sar_estimator.estimation.parameters import VELOCITY_SIGMA_MPS, EstimatorParameters
+from sar_sim.bags.bag import open_bag, read_messages
+from sar_sim.flight.offline import OfflineFlight
+from sar_sim.flight.replay import Tolerance
+from sar_sim.flight.replay_cli import replayed
+from sar_sim.scenario.options import find_scenario
+from sar_sim.scenario.scenario import load_scenario
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(180)]
 ROOT = Path(__file__).parents[2]
@@ -362,9 +362,9 @@ def test_real_helicopter_through_the_graph(launch, tmp_path, source):
 FEEDER = """
 import sys, time, rclpy
 from rclpy.qos import qos_profile_sensor_data
-from sar_estimator.geodesy import Datum
-from sar_estimator.fixes import Fix
-from sar_estimator.messages import fix_to_message
+from sar_estimator.common.geodesy import Datum
+from sar_estimator.common.gps_fix import Fix
+from sar_estimator.common.conversions import fix_to_message
 from sensor_msgs.msg import NavSatFix
 rclpy.init()
 node = rclpy.create_node("gps")

@@ -13,17 +13,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sar_bridge.mission_banks import BANK_ITEMS, BANKS
-from sar_bridge.mission_items import waypoint_items
-from sar_estimator import topics
-from sar_estimator.geodesy import Datum
-from sar_estimator.plane import Pose
-from sar_sim.autopilot import FlightMode, SimAutopilot
-from sar_sim.autopilot_link import AutopilotLink
-from sar_sim.autopilot_server import AutopilotServer
-from sar_sim.bag import read_messages
-from sar_sim.launch_cli import free_port
-from sar_sim.scenario import Scenario
+from sar_bridge.mavlink.mission_items import waypoint_items
+from sar_bridge.mission.mission_slots import BANK_ITEMS, BANKS
+from sar_estimator.common import topics
+from sar_estimator.common.geodesy import Datum
+from sar_estimator.common.pose import Pose
+from sar_sim.autopilot.autopilot import FlightMode, SimAutopilot
+from sar_sim.autopilot.link import AutopilotLink
+from sar_sim.autopilot.server import AutopilotServer
+from sar_sim.bags.bag import read_messages
+from sar_sim.launch.launch_cli import free_port
+from sar_sim.scenario.scenario import Scenario
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(300)]
 ROOT = Path(__file__).parents[2]
@@ -191,9 +191,9 @@ import time
 import numpy as np
 import rclpy
 from nav_msgs.msg import Odometry, Path
-from sar_estimator import topics
-from sar_estimator.messages import odometry_to_motion, points_to_path
-from sar_estimator.node_support import LATCHED, RELIABLE
+from sar_estimator.common import topics
+from sar_estimator.common.conversions import odometry_to_motion, points_to_path
+from sar_estimator.common.node_support import LATCHED, RELIABLE
 rclpy.init()
 node = rclpy.create_node("stranger")
 sender = node.create_publisher(Path, topics.WAYPOINTS, LATCHED)

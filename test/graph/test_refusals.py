@@ -28,13 +28,13 @@ from nav_msgs.msg import Odometry, Path
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
-from sar_estimator import topics
-from sar_estimator.messages import (
+from sar_estimator.common import topics
+from sar_estimator.common.conversions import (
     from_stamp, leg_to_odometry, list_id_of, motion_to_odometry, text_message, to_stamp,
 )
-from sar_estimator.node_support import LATCHED, RELIABLE
-from sar_estimator.plane import Pose
-from sar_estimator.states import LegEstimate, Motion
+from sar_estimator.common.node_support import LATCHED, RELIABLE
+from sar_estimator.common.pose import Pose
+from sar_estimator.common.states import LegEstimate, Motion
 rclpy.init()
 node = rclpy.create_node("world")
 send = {

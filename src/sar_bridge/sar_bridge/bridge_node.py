@@ -19,13 +19,12 @@ from sensor_msgs.msg import NavSatFix
 from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
 
-from sar_bridge.link import Link
-from sar_bridge.liveness import Liveness
-from sar_bridge.session import AutopilotSession
-from sar_bridge.signing import Signer
-from sar_estimator import topics
-from sar_estimator.geodesy import Datum
-from sar_estimator.messages import (
+from sar_bridge.mavlink.link import Link
+from sar_bridge.mavlink.signing import Signer
+from sar_bridge.session.liveness import Liveness
+from sar_bridge.session.session import AutopilotSession
+from sar_estimator.common import topics
+from sar_estimator.common.conversions import (
     diagnostics,
     from_stamp,
     list_id_of,
@@ -37,7 +36,8 @@ from sar_estimator.messages import (
     to_stamp,
     vector_message,
 )
-from sar_estimator.node_support import (
+from sar_estimator.common.geodesy import Datum
+from sar_estimator.common.node_support import (
     LATCHED,
     RELIABLE,
     now_s,
@@ -45,7 +45,7 @@ from sar_estimator.node_support import (
     report_each_second,
     run_node,
 )
-from sar_estimator.states import FloatArray
+from sar_estimator.common.states import FloatArray
 
 TICK_S = 0.05
 WATCHED = ("planner", "monitor")

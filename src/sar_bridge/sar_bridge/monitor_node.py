@@ -15,16 +15,16 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import NavSatFix
 from std_msgs.msg import String
 
-from sar_bridge.follower import FollowerTuning
-from sar_bridge.helicopter_futures import Habits
-from sar_bridge.separation_monitor import (
+from sar_bridge.arduplane.l1_predictor import FollowerTuning
+from sar_bridge.monitor.helicopter_hypotheses import Habits
+from sar_bridge.monitor.separation_monitor import (
     Alert,
     MonitorNews,
     MonitorParameters,
     SeparationMonitor,
 )
-from sar_estimator import topics
-from sar_estimator.messages import (
+from sar_estimator.common import topics
+from sar_estimator.common.conversions import (
     diagnostics,
     list_id_of,
     odometry_sigmas,
@@ -36,7 +36,7 @@ from sar_estimator.messages import (
     points_to_path,
     text_message,
 )
-from sar_estimator.node_support import (
+from sar_estimator.common.node_support import (
     LATCHED,
     RELIABLE,
     now_s,
@@ -45,7 +45,7 @@ from sar_estimator.node_support import (
     report_each_second,
     run_node,
 )
-from sar_estimator.states import Phase
+from sar_estimator.common.states import Phase
 
 
 class MonitorNode(Node):

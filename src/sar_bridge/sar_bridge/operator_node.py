@@ -8,8 +8,8 @@ import sys
 import rclpy
 from std_srvs.srv import Trigger
 
-from sar_estimator import topics
-from sar_estimator.node_support import start_ros
+from sar_estimator.common import topics
+from sar_estimator.common.node_support import start_ros
 
 SERVICES = {
     "engage": topics.ENGAGE,

@@ -13,11 +13,8 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import NavSatFix
 from std_msgs.msg import String
 
-from sar_estimator import topics
-from sar_estimator.estimator import HelicopterEstimator
-from sar_estimator.fixes import Verdict
-from sar_estimator.geodesy import Datum
-from sar_estimator.messages import (
+from sar_estimator.common import topics
+from sar_estimator.common.conversions import (
     datum_message,
     diagnostics,
     fix_outputs,
@@ -26,7 +23,8 @@ from sar_estimator.messages import (
     prediction_outputs,
     text_message,
 )
-from sar_estimator.node_support import (
+from sar_estimator.common.geodesy import Datum
+from sar_estimator.common.node_support import (
     LATCHED,
     RELIABLE,
     now_s,
@@ -35,8 +33,10 @@ from sar_estimator.node_support import (
     report_each_second,
     run_node,
 )
-from sar_estimator.parameters import VELOCITY_SIGMA_MPS, EstimatorParameters
-from sar_estimator.states import Phase
+from sar_estimator.common.states import Phase
+from sar_estimator.estimation.estimator import HelicopterEstimator
+from sar_estimator.estimation.fix_screen import Verdict
+from sar_estimator.estimation.parameters import VELOCITY_SIGMA_MPS, EstimatorParameters
 
 
 class EstimatorNode(Node):

@@ -14,14 +14,14 @@ from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
-from sar_estimator import topics
-from sar_estimator.messages import (
+from sar_estimator.common import topics
+from sar_estimator.common.conversions import (
     odometry_to_leg,
     odometry_to_motion,
     path_to_corner,
     points_to_path,
 )
-from sar_estimator.node_support import (
+from sar_estimator.common.node_support import (
     LATCHED,
     RELIABLE,
     now_s,
@@ -30,8 +30,8 @@ from sar_estimator.node_support import (
     report_each_second,
     run_node,
 )
-from sar_estimator.states import Phase
-from sar_planner.messages import (
+from sar_estimator.common.states import Phase
+from sar_planner.conversions import (
     MarkerTracks,
     decision_outputs,
     mission_message,
@@ -41,8 +41,8 @@ from sar_planner.messages import (
     status_outputs,
     vehicle_from_text,
 )
-from sar_planner.mission import MissionParameters, MissionPlanner, Mode
-from sar_planner.parameters import CornerParameters
+from sar_planner.mission_planner import MissionParameters, MissionPlanner, Mode
+from sar_planner.parameters.corner import CornerParameters
 
 FIGURES = re.compile(r"[\d.]+")
 

@@ -1,0 +1,1 @@
+"""Where a UAV under ArduPlane's lateral guidance will be."""

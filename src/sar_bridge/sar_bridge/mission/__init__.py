@@ -1,0 +1,1 @@
+"""Waypoint lists that replace one another in flight."""

@@ -1,0 +1,310 @@
+"""What a helicopter that flies a search pattern may do next: the monitor's own hypotheses.
+
+A helicopter goes on, stops, stands, and departs in any of three directions; it brakes and speeds
+up at a nominal acceleration. Which of these are *likely* depends on what it is doing now; the rest
+is *possible*. Positions are in the map frame [m], times in seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sar_bridge.arduplane import l1_kernels
+from sar_estimator.common.pose import Pose, wrap_angle
+from sar_estimator.common.states import CornerEstimate, FloatArray, LegEstimate, Motion, Phase
+
+SURE_COURSE_MPS = 3.0
+STANDING_MPS = 1.0
+UNSEEN_S = 5.0
+FRESH_LEG_S = 10.0
+FRESH_CORNER_S = 5.0
+SAME_STOP_M = 60.0
+STOP_SIGMA_M = 4.0
+EXPECTED_SIGMA_RAD = math.radians(6.0)
+EXPECTED_SIGMA_MPS = 1.2
+CONTRADICTION = 3.0
+CONTRADICTED_LEG = 5.0
+ACCEL_SHARE_SIGMA = 0.15
+HURRY, HURRYING = 1.3, 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Habits:
+    """How the helicopter is flown: V [m/s], a [m/s^2], the side it turns to (1 right, -1 left)."""
+
+    speed_mps: float = 20.0
+    accel_mps2: float = 2.0
+    turn_side: int = 1
+
+    @property
+    def inside_rad(self) -> float:
+        """The turn of a right angle to the pattern's side [rad]."""
+        return -self.turn_side * 0.5 * math.pi
+
+
+@dataclass(frozen=True)
+class Future:
+    """One hypothesis: positions, shape (n, 2) [m], at the times asked for.
+
+    ``sigma_m``: their standard deviation in any direction, shape (n,) [m].
+    """
+
+    name: str
+    positions: FloatArray
+    sigma_m: FloatArray
+    likely: bool = field(default=False, kw_only=True)
+
+
+class Helicopter:
+    """The helicopter as last told of, and the course it had when it last moved.
+
+    ``motion``, ``phase``, ``corner`` and ``leg`` are the estimator's newest. ``cruise_mps``: the
+    speed it is expected to cruise at.
+    """
+
+    def __init__(self, habits: Habits) -> None:
+        """Know nothing yet."""
+        self.habits = habits
+        self.motion: Motion | None = None
+        self.phase = Phase.LOST
+        self.corner: CornerEstimate | None = None
+        self.leg: LegEstimate | None = None
+        self._position_sigma_m = 0.0
+        self._velocity_sigma_mps = 0.0
+        self._course_rad: float | None = None
+        self.cruise_mps = habits.speed_mps
+
+    def set_motion(
+        self, motion: Motion, position_sigma_m: float = 0.0, velocity_sigma_mps: float = 0.0
+    ) -> None:
+        """Take its newest motion and the standard deviations of one axis."""
+        if not motion.is_finite():
+            return
+        self.motion = motion
+        self._position_sigma_m = position_sigma_m
+        self._velocity_sigma_mps = velocity_sigma_mps
+        if motion.speed_mps > SURE_COURSE_MPS and self.phase is not Phase.STOPPED:
+            self._course_rad = motion.course_rad
+
+    def set_leg(self, leg: LegEstimate) -> None:
+        """Take the leg being flown; its speed is what the helicopter is expected to cruise at."""
+        self.leg = leg
+        if leg.speed_mps > SURE_COURSE_MPS and leg.speed_sigma_mps < EXPECTED_SIGMA_MPS:
+            self.cruise_mps = leg.speed_mps
+
+    def futures(self, now_s: float, times_s: FloatArray) -> list[Future]:
+        """Return the hypotheses at ``times_s`` after ``now_s``; none where it was never seen."""
+        if self.motion is None:
+            return []
+        maker = {
+            Phase.DECELERATING: self._slowing,
+            Phase.STOPPED: self._standing,
+            Phase.ACCELERATING: self._departing,
+        }.get(self.phase, self._cruising)
+        ahead_s = now_s - self.motion.time_s
+        return maker(self.motion, ahead_s, now_s, times_s)
+
+    # Where it is and how it goes on ------------------------------------------------------------
+
+    def _velocity(self, motion: Motion) -> tuple[float, float, float]:
+        """Return the velocity it goes on with, x and y, and its standard deviation [m/s].
+
+        The better known of odometry and leg, weighed against what is expected after a corner.
+        """
+        vx, vy = motion.vx_mps, motion.vy_mps
+        sigma = max(self._velocity_sigma_mps, 0.05)
+        leg = self.leg
+        if leg is not None and motion.time_s - leg.time_s < FRESH_LEG_S:
+            spread = math.hypot(leg.speed_sigma_mps, leg.speed_mps * leg.heading_sigma_rad)
+            lx = leg.speed_mps * math.cos(leg.foot.heading_rad)
+            ly = leg.speed_mps * math.sin(leg.foot.heading_rad)
+            same = math.hypot(lx - vx, ly - vy) < CONTRADICTED_LEG * math.hypot(sigma, spread)
+            if same and spread < sigma:
+                vx, vy, sigma = lx, ly, spread
+        if self.corner is None:
+            return vx, vy, sigma
+        course = self._inside(self.corner).heading_rad
+        ex, ey = self.cruise_mps * math.cos(course), self.cruise_mps * math.sin(course)
+        if math.hypot(ex - vx, ey - vy) > CONTRADICTION * math.hypot(sigma, EXPECTED_SIGMA_MPS):
+            return vx, vy, sigma
+        weight = sigma**2 / (sigma**2 + EXPECTED_SIGMA_MPS**2)
+        fused = sigma * math.sqrt(1.0 - weight)
+        return vx + weight * (ex - vx), vy + weight * (ey - vy), fused
+
+    def _here(self, motion: Motion, ahead_s: float) -> Pose:
+        """Return where it is now, heading as it last surely moved."""
+        sure = motion.speed_mps > SURE_COURSE_MPS or self._course_rad is None
+        return Pose(
+            motion.x_m + motion.vx_mps * ahead_s,
+            motion.y_m + motion.vy_mps * ahead_s,
+            motion.course_rad if sure else float(self._course_rad or 0.0),
+        )
+
+    def _inside(self, corner: CornerEstimate) -> Pose:
+        """Return how a corner is left when it is turned to the pattern's side."""
+        stop = corner.stop
+        return Pose(stop.x_m, stop.y_m, stop.heading_rad + self.habits.inside_rad)
+
+    def _this_corner(self, here: Pose, now_s: float) -> CornerEstimate | None:
+        """Return the corner it slows or stands for; None where the last one told of is another."""
+        corner = self.corner
+        if corner is None or now_s - corner.time_s < FRESH_CORNER_S:
+            return corner
+        away = math.hypot(here.x_m - corner.stop.x_m, here.y_m - corner.stop.y_m)
+        return corner if away < SAME_STOP_M else None
+
+    def _stop(self, here: Pose, speed: float, now_s: float) -> tuple[Pose, float, float]:
+        """Return where it will stand when it stops, in how long [s], and its deceleration."""
+        accel = self.habits.accel_mps2
+        corner = self._this_corner(here, now_s) if self.phase is Phase.DECELERATING else None
+        if corner is not None:
+            return corner.stop, max(0.0, corner.stop_time_s - now_s), corner.accel_mps2
+        return here.offset(speed**2 / (2.0 * accel)), speed / accel, accel
+
+    # Hypotheses --------------------------------------------------------------------------------
+
+    def _spread(self, times: FloatArray, velocity_sigma: float) -> FloatArray:
+        """Return the standard deviation at ``times`` of a motion with an unsure velocity [m]."""
+        return l1_kernels.spread(times, self._position_sigma_m, velocity_sigma, 0.0, 0.0)
+
+    def _ramp_spread(self, times: FloatArray) -> FloatArray:
+        """Return the same where the acceleration is not known better than to a share."""
+        accel = self.habits.accel_mps2
+        unsure, ramp_s = ACCEL_SHARE_SIGMA * accel, self.cruise_mps / accel
+        return l1_kernels.spread(times, self._position_sigma_m, 0.0, unsure, ramp_s)
+
+    def _turned(self, stop: Pose, after_s: float, times: FloatArray, turn_rad: float) -> FloatArray:
+        """Return where it is when it departs from a stop, turned by an angle."""
+        out = Pose(stop.x_m, stop.y_m, stop.heading_rad + turn_rad)
+        since = np.maximum(times - after_s, 0.0)
+        return _along(out, _run(since, 0.0, self.habits.accel_mps2, self.cruise_mps))
+
+    def _stopping(
+        self, here: Pose, speed: float, now_s: float, times: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return how it comes to a stand, and how it departs from there inside and outside."""
+        stop, in_s, accel = self._stop(here, speed, now_s)
+        habits = self.habits
+        stands, left, right = l1_kernels.stop_and_turn(
+            times, *stop, in_s, accel, habits.accel_mps2, self.cruise_mps
+        )
+        inside, outside = (right, left) if habits.turn_side > 0 else (left, right)
+        return stands, inside, outside
+
+    def _cruising(
+        self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray
+    ) -> list[Future]:
+        here = self._here(motion, ahead_s)
+        vx, vy, sigma = self._velocity(motion)
+        onward = l1_kernels.straight_on(times, here.x_m, here.y_m, vx, vy)
+        straight = Pose(here.x_m, here.y_m, math.atan2(vy, vx))
+        slowing, inside, outside = self._stopping(straight, math.hypot(vx, vy), now_s, times)
+        spread = self._ramp_spread(times)
+        return [
+            Future("goes on", onward, self._spread(times, sigma), likely=True),
+            Future("stops", slowing, spread, likely=True),
+            Future("stops and turns inside", inside, spread),
+            Future("stops and turns outside", outside, spread),
+        ]
+
+    def _slowing(
+        self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray
+    ) -> list[Future]:
+        here = self._here(motion, ahead_s)
+        slowing, inside, outside = self._stopping(here, motion.speed_mps, now_s, times)
+        corner = self._this_corner(here, now_s)
+        if corner is not None:  # its own course means little when it is slow
+            here = Pose(here.x_m, here.y_m, corner.stop.heading_rad)
+        forward = motion.vx_mps * math.cos(here.heading_rad)
+        forward = max(0.0, forward + motion.vy_mps * math.sin(here.heading_rad))
+        fastest = max(self.cruise_mps, forward)
+        again = _along(here, _run(times, forward, self.habits.accel_mps2, fastest))
+        spread = self._ramp_spread(times)
+        if corner is not None:
+            spread = np.hypot(spread, math.sqrt(0.5 * float(np.trace(corner.covariance))))
+        return [
+            Future("turns inside", inside, spread, likely=True),
+            Future("stands", slowing, spread),
+            Future("turns outside", outside, spread),
+            Future("goes on", again, spread),
+        ]
+
+    def _standing(
+        self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray
+    ) -> list[Future]:
+        here = self._here(motion, ahead_s)
+        corner = self._this_corner(here, now_s)
+        stop = here if corner is None else corner.stop
+        since = UNSEEN_S if corner is None else min(UNSEEN_S, max(0.0, now_s - corner.stop_time_s))
+        inside = self.habits.inside_rad
+        still = np.full_like(times, self._position_sigma_m)
+        spread = self._ramp_spread(times)
+        found = [
+            Future("stands", _along(here, np.zeros_like(times)), still, likely=True),
+            Future("leaves inside", self._turned(stop, -since, times, inside), spread, likely=True),
+            Future("leaves outside", self._turned(stop, 0.0, times, -inside), spread),
+            Future("leaves straight on", self._turned(stop, 0.0, times, 0.0), spread),
+        ]
+        away = math.hypot(here.x_m - stop.x_m, here.y_m - stop.y_m)
+        if away > CONTRADICTION * math.hypot(self._position_sigma_m, STOP_SIGMA_M):
+            found += self._departing(motion, ahead_s, now_s, times)
+        return found
+
+    def _departing(
+        self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray
+    ) -> list[Future]:
+        here = self._here(motion, ahead_s)
+        out = self._way_out(here)
+        forward = max(0.0, motion.speed_mps * math.cos(motion.course_rad - out.heading_rad))
+        above, sigma = forward - self.cruise_mps, self._velocity_sigma_mps
+        if above < CONTRADICTION * sigma:
+            forward = min(forward, self.cruise_mps)
+        fastest = max(self.cruise_mps, forward)
+        run = _run(times, forward, self.habits.accel_mps2, fastest)
+        slowing = self._stopping(here, forward, now_s, times)[0]
+        spread = self._ramp_spread(times)
+        found = [
+            Future("speeds up", _along(out, run), np.hypot(spread, 0.05 * run), likely=True),
+            Future("stops again", slowing, spread),
+        ]
+        if above > HURRYING * sigma:  # it is about to fly faster than it did before
+            top = max(HURRY * self.cruise_mps, fastest)
+            hurry = _run(times, forward, self.habits.accel_mps2, top)
+            bound = np.full_like(spread, self._position_sigma_m)
+            found.append(Future("hurries on", _along(out, hurry), bound))
+        return found
+
+    def _way_out(self, here: Pose) -> Pose:
+        """Return where it is on the line on which it leaves its stop.
+
+        The right angle to the pattern's side, weighed against the bearing from the stop; the
+        bearing alone where both contradict each other.
+        """
+        if self.corner is None:
+            return here
+        inside = self._inside(self.corner)
+        dx, dy = here.x_m - inside.x_m, here.y_m - inside.y_m
+        away = max(math.hypot(dx, dy), 1.0)
+        off = wrap_angle(math.atan2(dy, dx) - inside.heading_rad)
+        sigma = math.hypot(max(self._position_sigma_m, 1.0), STOP_SIGMA_M) / away
+        weight = EXPECTED_SIGMA_RAD**2 / (EXPECTED_SIGMA_RAD**2 + sigma**2)
+        if abs(off) > CONTRADICTION * math.hypot(sigma, EXPECTED_SIGMA_RAD):
+            weight = 1.0
+        out = Pose(inside.x_m, inside.y_m, inside.heading_rad + weight * off)
+        return out.offset(max(0.0, out.along(here.x_m, here.y_m)))
+
+
+def _run(times: FloatArray, speed: float, accel: float, until_mps: float) -> FloatArray:
+    """Return the way [m] at ``times`` from a speed, speeding up until another."""
+    ramp_s = max(0.0, (until_mps - speed) / accel)
+    ramp = np.clip(times, 0.0, ramp_s)
+    way: FloatArray = speed * ramp + 0.5 * accel * ramp**2
+    return way + until_mps * np.maximum(times - ramp_s, 0.0)
+
+
+def _along(pose: Pose, run: FloatArray) -> FloatArray:
+    heading = np.array((math.cos(pose.heading_rad), math.sin(pose.heading_rad)))
+    return np.array((pose.x_m, pose.y_m)) + run[:, None] * heading

@@ -1,0 +1,1 @@
+"""What all packages share: poses, states, geodesy, topics, conversions, what a node needs."""

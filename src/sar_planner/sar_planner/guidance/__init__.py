@@ -1,0 +1,1 @@
+"""From a path to waypoints and airspeeds that an autopilot flies."""

@@ -1,0 +1,376 @@
+"""The mission: whether the UAV is led, by which rules, and the waypoint lists that come of it.
+
+Pure: it is told what is known, and asked at any time whether there is a new waypoint list.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase, list_id_at
+from sar_planner.guidance.vehicle import Vehicle
+from sar_planner.parameters.corner import CornerParameters
+from sar_planner.parameters.mission import MissionParameters
+from sar_planner.paths.flight_path import FloatArray
+from sar_planner.prediction.situation import Situation
+from sar_planner.rules.rule_sets import check_planner
+from sar_planner.strategies.active_corner import ActiveCorner, Mode
+from sar_planner.strategies.deadbeat import DeadbeatPilot
+from sar_planner.strategies.follow import FollowPilot
+from sar_planner.strategies.paper import PaperPilot
+from sar_planner.strategies.strategy import Pilot
+
+MAX_WAYPOINTS = 400
+REFUSED_RETRY_S = 2.0
+FARTHEST_M = 20_000.0
+ENGAGE_MODES = ("AUTO", "GUIDED")
+
+
+@dataclass(frozen=True, slots=True)
+class UavStatus:
+    """What the autopilot says of itself: flight mode, arming, and whether it is heard.
+
+    ``led``: whether the bridge has a list of ours flown. ``airspeed_ratio``: true airspeed over the
+    indicated one, which is what the autopilot is told.
+    """
+
+    mode: str = ""
+    armed: bool = False
+    connected: bool = False
+    led: bool = False
+    airspeed_ratio: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class MonitorStatus:
+    """What the separation monitor says: whether it leads the UAV away, and why.
+
+    ``refused_id``: of the newest list that it did not let pass, 0 for none.
+    """
+
+    escaping: bool = False
+    reason: str = ""
+    refused_id: int = 0
+
+
+@dataclass(frozen=True)
+class WaypointList:
+    """A whole list for the autopilot: ``points``, shape (n, 2) [m] in the map.
+
+    ``list_id``: by which planner, monitor and bridge tell it from others. ``speed_mps``: the ground
+    speed a path is planned with; None for a slot track.
+    """
+
+    number: int
+    time_s: float
+    mode: str
+    points: FloatArray
+    list_id: int
+    speed_mps: float | None = None
+
+
+PILOTS: dict[str, type[Pilot]] = {
+    "deadbeat": DeadbeatPilot,
+    "paper": PaperPilot,
+    "follow": FollowPilot,
+}
+
+
+class MissionPlanner:
+    """Engages, disengages, and hands what is known to the pilot of the chosen rule set.
+
+    ``problem``: why the planner cannot do what it should, empty when all is well. ``list``: the
+    newest waypoint list. Raises ``ParameterError`` at construction for parameters outside the
+    rule set's conditions.
+    """
+
+    def __init__(self, corner: CornerParameters, mission: MissionParameters) -> None:
+        """Check both parameter sets."""
+        check_planner(mission.rules, corner)
+        self.corner_parameters = corner
+        self.parameters = mission
+        self.situation = Situation(corner, mission.turn_side)
+        self._pilot = PILOTS[mission.rules](self.situation, corner, mission)
+        self.engaged = False
+        self.problem = ""
+        self.list: WaypointList | None = None
+        self.status = UavStatus()
+        self.monitor = MonitorStatus()
+        self.vehicle = Vehicle({})
+        self.wind_mps = (0.0, 0.0)
+        self._in_auto = False
+        self._lists = self._list_id = 0
+        self._told_mps = self._course_rad = 0.0
+        self._retry_s = -math.inf
+        self._new = True
+
+    # What is known -----------------------------------------------------------------------------
+
+    @property
+    def helicopter(self) -> Motion | None:
+        """The helicopter's newest motion."""
+        return self.situation.helicopter
+
+    @property
+    def uav(self) -> Motion | None:
+        """The UAV's newest motion."""
+        return self.situation.uav
+
+    @property
+    def phase(self) -> Phase:
+        """The helicopter's phase."""
+        return self.situation.phase
+
+    @property
+    def corners_seen(self) -> int:
+        """How many corners were told of."""
+        return self.situation.corners_seen
+
+    def set_helicopter(self, motion: Motion) -> None:
+        """Take the helicopter's newest motion."""
+        self.situation.set_helicopter(motion)
+
+    def set_uav(self, motion: Motion) -> None:
+        """Take the UAV's newest motion."""
+        self.situation.set_uav(motion)
+
+    def set_status(self, status: UavStatus) -> None:
+        """Take the autopilot's status; a mode that somebody else chose ends the engagement."""
+        told, self.status = self.status, status
+        if status.airspeed_ratio != told.airspeed_ratio:
+            self._set_air()
+        if not self.engaged or not status.connected:
+            return
+        if status.mode not in ENGAGE_MODES or (self._in_auto and status.mode != "AUTO"):
+            self.disengage()
+            self.problem = f"released: the UAV was taken to mode {status.mode}"
+        self._in_auto = status.mode == "AUTO"
+
+    def set_monitor(self, status: MonitorStatus) -> None:
+        """Take what the monitor says: while it leads the UAV away, nothing is planned."""
+        if self.engaged and status.escaping and not self.monitor.escaping:
+            self._pilot.end()
+            self.list = None
+        if self.engaged and self.monitor.escaping and not status.escaping:
+            self._pilot.begin()
+        self.monitor = status
+
+    def set_vehicle(self, vehicle: Vehicle) -> None:
+        """Take what the autopilot says of the UAV."""
+        self.vehicle = vehicle
+        self._pilot.lists.tuning = vehicle.tuning(self.parameters)
+        self._set_air()
+
+    def set_wind(self, wind_mps: tuple[float, float]) -> None:
+        """Take where the wind blows to, x and y [m/s]."""
+        if math.isfinite(math.hypot(*wind_mps)):
+            self.wind_mps = wind_mps
+            self._set_air()
+
+    def _set_air(self) -> None:
+        """Work out the UAV's airspeeds and the wind from what is known of them."""
+        self._pilot.lists.air = self.vehicle.air(self.wind_mps, self.status.airspeed_ratio)
+
+    def set_leg(self, leg: LegEstimate) -> None:
+        """Take the leg being flown."""
+        if self._pilot.believes(leg):
+            self.situation.set_leg(leg)
+
+    def set_phase(self, phase: Phase) -> None:
+        """Take the helicopter's phase."""
+        self.situation.set_phase(phase)
+
+    def set_corner(self, estimate: CornerEstimate) -> None:
+        """Take a prediction, or a refinement, of the corner ahead."""
+        self.situation.set_corner(estimate)
+
+    # Operator ----------------------------------------------------------------------------------
+
+    def obstacle(self, now_s: float) -> str:
+        """Return why the planner cannot lead the UAV at ``now_s``, empty when it can."""
+        for name, motion in (("UAV", self.uav), ("helicopter", self.helicopter)):
+            if motion is None:
+                return f"no {name} position"
+            age = now_s - motion.time_s
+            if age > self.parameters.stale_s:
+                return f"{name} position {age:.1f} s old (limit {self.parameters.stale_s} s)"
+        apart = self.separation_m()
+        if apart is not None and apart > FARTHEST_M:
+            return f"helicopter {apart / 1e3:.0f} km from the UAV: expected within 20 km"
+        if self.phase is Phase.LOST:
+            return "helicopter GPS lost"
+        if self.situation.leg is None:
+            return "helicopter's leg not known yet"
+        return ""
+
+    def engage(self, now_s: float) -> str:
+        """Begin to lead the UAV; return why not, empty when begun."""
+        unfit = self.vehicle.refusal(self.corner_parameters, self.parameters, self._pilot.lists.air)
+        reason = self._not_flying() or self.obstacle(now_s) or unfit
+        if not reason and not self.engaged:
+            self.engaged = True
+            self._new = False
+            self._told_mps = 0.0
+            self._pilot.begin()
+            self._in_auto = self.status.mode == "AUTO"
+        return reason
+
+    def _not_flying(self) -> str:
+        status = self.status
+        if not status.connected:
+            return "no heartbeat from the autopilot"
+        if not status.armed:
+            return "UAV not armed: expected it in the air"
+        if status.mode not in ENGAGE_MODES:
+            return f"UAV in mode {status.mode}: expected {' or '.join(ENGAGE_MODES)}"
+        return ""
+
+    def disengage(self) -> None:
+        """Stop leading the UAV."""
+        self._new = False
+        self._pilot.end()
+        self.engaged = False
+        self.list = None
+
+    # Measured ----------------------------------------------------------------------------------
+
+    @property
+    def mode(self) -> Mode:
+        """What the UAV is being led along."""
+        return self._pilot.mode if self.engaged else Mode.IDLE
+
+    @property
+    def active(self) -> ActiveCorner | None:
+        """The corner being flown."""
+        return self._pilot.active
+
+    @property
+    def rule(self) -> str:
+        """The active rule's name, or the mode's."""
+        if self.mode is Mode.CORNER and self.active is not None:
+            return str(self.active.plan.rule)
+        return str(self.mode)
+
+    @property
+    def speed_mps(self) -> float | None:
+        """The ground speed asked of the UAV [m/s]; None where it is left to the autopilot."""
+        return self._pilot.speed_mps if self.engaged else None
+
+    @property
+    def airspeed_mps(self) -> float | None:
+        """The indicated airspeed that this ground speed takes where the UAV will be.
+
+        Within its envelope.
+        """
+        speed = self.speed_mps
+        if speed is None:
+            return None
+        true_mps = self._pilot.lists.air.airspeed_mps(self._course_rad, speed)
+        return self.vehicle.indicated_mps(true_mps, self.status.airspeed_ratio)
+
+    def newly_asked_mps(self, step_mps: float) -> float | None:
+        """Return the airspeed asked for when it differs by ``step_mps`` from what was told last."""
+        speed = self.airspeed_mps
+        if speed is None or abs(speed - self._told_mps) < step_mps:
+            return None
+        self._told_mps = speed
+        return speed
+
+    @property
+    def made_good(self) -> float:
+        """The share of its speed that the UAV is expected to make good at corners."""
+        return self._pilot.made_good
+
+    @property
+    def turn_radius_m(self) -> float:
+        """The radius that paths are planned with: more than the configured one where learnt [m]."""
+        return self._pilot.turns.radius_m
+
+    @property
+    def kept_lag_m(self) -> float:
+        """The lag kept on legs for a UAV that makes little of its speed good [m], else 0."""
+        return self._pilot.kept_lag_m
+
+    @property
+    def corrections(self) -> int:
+        """How often a path was corrected after it was begun."""
+        return self._pilot.corrections
+
+    def lag_m(self) -> float | None:
+        """Return the UAV's lag [m]: L(k) in a corner, on a leg the present along-track lag."""
+        if self.active is not None:
+            return self.active.plan.lag_m
+        slot = self._pilot.slot or self.situation.slot
+        if self.uav is None or self.helicopter is None or slot is None:
+            return None
+        ahead = slot.along(self.helicopter.x_m, self.helicopter.y_m)
+        behind = slot.along(self.uav.x_m, self.uav.y_m)
+        return ahead - behind - self.uav.speed_mps * (self.helicopter.time_s - self.uav.time_s)
+
+    def separation_m(self) -> float | None:
+        """Return the horizontal distance between the aircraft [m]."""
+        return self.situation.separation_m()
+
+    # Decisions ---------------------------------------------------------------------------------
+
+    def update(self, now_s: float) -> WaypointList | None:
+        """Return a new waypoint list when one is due."""
+        if self._new and self.status.led and self.status.mode == "AUTO":
+            self.engage(now_s)  # the UAV was being led when this planner was started
+        if not self.engaged:
+            return None
+        self.problem = self.obstacle(now_s)
+        if self.monitor.escaping:
+            self.problem = f"monitor: {self.monitor.reason}"
+        if self.problem:
+            return None
+        refused = self._refused(now_s)
+        listed = self._pilot.update(now_s)
+        pilot, speed = self._pilot, self._pilot.speed_mps
+        self._course_rad = pilot.course_rad
+        slow = "" if speed is None else pilot.lists.air.out_of_reach(self._course_rad, speed)
+        self.problem = "; ".join(note for note in (pilot.problem, slow, refused) if note)
+        if listed is None:
+            return None
+        name, points = listed
+        if not np.isfinite(points).all():
+            self.problem = "waypoints that are no numbers: list kept back"
+            return None
+        self._lists += 1
+        planned = None if self.mode in (Mode.LEG, Mode.HOLD) else speed
+        self._list_id = list_id_at(now_s, self._list_id)
+        self.list = WaypointList(
+            self._lists, now_s, name, points[:MAX_WAYPOINTS], self._list_id, planned
+        )
+        return self.list
+
+    def _refused(self, now_s: float) -> str:
+        """Return why the newest list did not pass, empty when it did.
+
+        A leg's or a hold's is made again after a while; a path is corrected as the UAV leaves it.
+        """
+        if self.list is None or self.monitor.refused_id != self.list.list_id:
+            return ""
+        if now_s > self._retry_s and self.mode in (Mode.LEG, Mode.HOLD):
+            self._retry_s = now_s + REFUSED_RETRY_S
+            self._pilot.begin()
+        return self.monitor.reason
+
+    def set_clock_back(self) -> None:
+        """Forget what belongs to a time that has not come yet: the clock was set back."""
+        self._pilot.set_clock_back()
+        self.situation.set_clock_back()
+
+
+__all__ = [
+    "ActiveCorner",
+    "MissionParameters",
+    "MissionPlanner",
+    "Mode",
+    "MonitorStatus",
+    "UavStatus",
+    "WaypointList",
+]

@@ -1,0 +1,1 @@
+"""The parameters of a corner, and of how the planner flies."""

@@ -1,0 +1,151 @@
+"""The helicopter's motion to come: stretches of constant acceleration, then cruise for ever."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from sar_estimator.common.pose import Pose
+from sar_estimator.common.states import Motion
+from sar_planner.paths.flight_path import CornerFrame, FloatArray
+
+
+class Stretch(NamedTuple):
+    """From ``time_s`` on, constant acceleration along the heading of ``start``."""
+
+    time_s: float
+    start: Pose
+    speed_mps: float
+    accel_mps2: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Forecast:
+    """Where the helicopter will be, and the leg it will be on in the end.
+
+    ``stretches``: in order of time; before the first it is taken to have cruised along it.
+    ``leg``: a pose on the last leg's line. ``zero_s``: the time at which the helicopter, were its
+    last cruise extended backwards, would pass that pose; ``speed_mps``: its speed V on that leg.
+    """
+
+    stretches: tuple[Stretch, ...]
+    leg: Pose
+    zero_s: float
+    speed_mps: float
+
+    def positions(self, times_s: FloatArray | Sequence[float]) -> FloatArray:
+        """Return the helicopter's positions, shape (n, 2) [m], at ``times_s``."""
+        times = np.asarray(times_s, dtype=np.float64)
+        table = self.table
+        stretch = np.maximum(np.searchsorted(table[0], times, side="right") - 1, 0)
+        begun, x, y, east, north, speed, accel = table[:, stretch]
+        duration = times - begun
+        run = speed * duration + 0.5 * accel * np.square(np.maximum(duration, 0.0))
+        out = np.empty((times.size, 2))
+        out[:, 0] = x + east * run
+        out[:, 1] = y + north * run
+        return out
+
+    @property
+    def table(self) -> FloatArray:
+        """Time, x, y, direction, speed and acceleration of every stretch, shape (7, n)."""
+        rows = []
+        for one in self.stretches:
+            pose, heading = one.start, one.start.heading_rad
+            rows.append(
+                (
+                    one.time_s,
+                    pose.x_m,
+                    pose.y_m,
+                    math.cos(heading),
+                    math.sin(heading),
+                    one.speed_mps,
+                    one.accel_mps2,
+                )
+            )
+        return np.ascontiguousarray(np.array(rows).T)
+
+    def in_frame(self, frame: CornerFrame) -> Forecast:
+        """Return the same motion in the coordinates of a frame."""
+        moved = tuple(
+            Stretch(one.time_s, frame.to_frame(one.start), one.speed_mps, one.accel_mps2)
+            for one in self.stretches
+        )
+        return Forecast(moved, frame.to_frame(self.leg), self.zero_s, self.speed_mps)
+
+    def along_m(self, time_s: float) -> float:
+        """Return how far along the leg, from ``leg``, the slot is at ``time_s`` [m]."""
+        return self.speed_mps * (time_s - self.zero_s)
+
+    def slot_x_m(self, time_s: float) -> float:
+        """Return x [m] of the slot at ``time_s``, for a forecast in the slot's frame."""
+        return self.leg.x_m + self.along_m(time_s)
+
+    def faster_mps(self, helicopter: Motion | None) -> float:
+        """Return by how much the helicopter flies faster along the leg than foretold [m/s]."""
+        if helicopter is None:
+            return 0.0
+        off = helicopter.course_rad - self.leg.heading_rad
+        return helicopter.speed_mps * math.cos(off) - self.speed_mps
+
+    @property
+    def steady_s(self) -> float:
+        """The time from which on the helicopter cruises along its last leg [s]."""
+        return self.stretches[-1].time_s
+
+
+def tables_of(forecasts: Sequence[Forecast]) -> FloatArray:
+    """Return the tables of several forecasts, shape (f, 7, m), stretches that never come added."""
+    tables = [forecast.table for forecast in forecasts]
+    out = np.zeros((len(tables), 7, max(table.shape[1] for table in tables)))
+    out[:, 0] = math.inf
+    for i, table in enumerate(tables):
+        out[i, :, : table.shape[1]] = table
+    return out
+
+
+def cruising(time_s: float, helicopter: Pose, speed_mps: float) -> Forecast:
+    """Return the forecast of a helicopter that goes on along its leg."""
+    return Forecast((Stretch(time_s, helicopter, speed_mps),), helicopter, time_s, speed_mps)
+
+
+def departing(
+    time_s: float, helicopter: Pose, now_mps: float, *, speed_mps: float, accel_mps2: float
+) -> Forecast:
+    """Return the forecast of a helicopter that speeds up from ``now_mps`` along its leg."""
+    ramp_s = max(0.0, speed_mps - now_mps) / accel_mps2
+    first = Stretch(time_s, helicopter, now_mps, accel_mps2)
+    run = now_mps * ramp_s + 0.5 * accel_mps2 * ramp_s**2
+    cruise = Stretch(time_s + ramp_s, helicopter.offset(run), speed_mps)
+    zero = time_s + ramp_s - run / speed_mps
+    return Forecast((first, cruise), helicopter, zero, speed_mps)
+
+
+def cornering(
+    onset_s: float,
+    stop: Pose,
+    *,
+    speed_mps: float,
+    accel_mps2: float,
+    turn_rad: float = -math.pi / 2.0,
+    hover_s: float = 0.0,
+    leaving_mps2: float | None = None,
+) -> Forecast:
+    """Return the forecast of a corner: slow with a, stand at ``stop``, turn, speed up with a.
+
+    ``stop`` carries the incoming heading. ``leaving_mps2``: with which it speeds up, where that is
+    another acceleration. With no hover 3 V^2 / 2a of cruise are lost in all, as
+    in the paper's T_h = 3V/2a + Y/V.
+    """
+    stop_s = onset_s + speed_mps / accel_mps2
+    stopping = speed_mps**2 / (2.0 * accel_mps2)
+    slowing = Stretch(onset_s, stop.offset(-stopping), speed_mps, -accel_mps2)
+    out = Pose(stop.x_m, stop.y_m, stop.heading_rad + turn_rad)
+    leaving = accel_mps2 if leaving_mps2 is None else leaving_mps2
+    then = departing(stop_s + hover_s, out, 0.0, speed_mps=speed_mps, accel_mps2=leaving)
+    standing = (Stretch(stop_s, out, 0.0),) if hover_s > 0.0 else ()
+    return Forecast((slowing, *standing, *then.stretches), out, then.zero_s, speed_mps)

@@ -1,0 +1,172 @@
+"""Distance between the two aircraft over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sar_estimator.common.pose import Pose
+from sar_planner.parameters.corner import CornerParameters
+from sar_planner.paths.flight_path import FlightPath, FloatArray
+from sar_planner.paths.kernels import SAMPLE_M, least_apart, least_apart_of_each
+from sar_planner.paths.slot_intercept import PathBatch, radii_m
+from sar_planner.prediction.forecast import Forecast, cornering
+
+BESIDE_S = 6.0
+BESIDE_STEP_S = 0.25
+
+
+@dataclass(frozen=True, slots=True)
+class ClosestApproach:
+    """The least distance [m] and its time [s] after the path's beginning."""
+
+    distance_m: float
+    time_s: float
+
+
+def corner_forecast(p: CornerParameters) -> Forecast:
+    """Return the helicopter's motion at a corner, in the corner's frame, slowing from time 0."""
+    return cornering(0.0, Pose(0.0, 0.0, 0.0), speed_mps=p.speed_mps, accel_mps2=p.accel_mps2)
+
+
+def closest_approach(path: FlightPath, p: CornerParameters) -> ClosestApproach:
+    """Return the closest approach while the path is flown at V and the helicopter turns."""
+    return closest_over_time(path, corner_forecast(p), start_s=0.0, speed_mps=p.speed_mps)
+
+
+def closest_over_time(
+    path: FlightPath, forecast: Forecast, *, start_s: float, speed_mps: float
+) -> ClosestApproach:
+    """Return the closest approach of a path begun at ``start_s`` and flown at ``speed_mps``.
+
+    Until the UAV has ended its path and the helicopter is back at V; from then on, at equal
+    speeds, the distance is constant.
+    """
+    end_s = max(path.length_m / speed_mps, forecast.steady_s - start_s, 1e-3)
+
+    def nearest(low_s: float, high_s: float, count: int) -> tuple[float, float, float]:
+        times = np.linspace(low_s, high_s, count)
+        gap = path.points(times * speed_mps) - forecast.positions(start_s + times)
+        distances = np.hypot(gap[:, 0], gap[:, 1])
+        best = int(distances.argmin())
+        return float(distances[best]), float(times[best]), float(times[1] - times[0])
+
+    distance, time, step = nearest(0.0, end_s, max(3, int(end_s / 0.1)))
+    while step > 1e-6:
+        low, high = max(0.0, time - step), min(end_s, time + step)
+        distance, time, step = nearest(low, high, 41)
+    return ClosestApproach(distance, time)
+
+
+def least_apart_m(
+    path: FlightPath, forecasts: Sequence[Forecast], *, start_s: float, speed_mps: float
+) -> float:
+    """Return the least distance [m] of a path to any of several forecasts.
+
+    Looked at every ``SAMPLE_M`` of its way (``sampling_slack_m``). Each forecast is looked at for
+    as long as by ``closest_over_time``.
+    """
+    parts = path.parts
+    least = math.inf
+    for forecast in forecasts:
+        one = least_apart(
+            parts,
+            path.length_m,
+            forecast.table,
+            start_s,
+            forecast.steady_s,
+            speed_mps,
+            speed_mps,
+            0.0,
+            speed_mps,
+            SAMPLE_M,
+            0.0,
+        )
+        least = min(least, one)
+    return least
+
+
+def beside_apart_m(
+    path: FlightPath,
+    beside_m: tuple[float, float],
+    forecasts: Sequence[Forecast],
+    *,
+    start_s: float,
+    speed_mps: float,
+) -> float:
+    """Return the least distance [m], for ``BESIDE_S``, of a UAV that flies beside its path.
+
+    ``beside_m``: how far, in x and y. Later it will have come back to it.
+    """
+    times = np.arange(0.0, BESIDE_S, BESIDE_STEP_S)
+    points = path.points(times * speed_mps) + np.array(beside_m)
+    gaps = [points - forecast.positions(start_s + times) for forecast in forecasts]
+    return math.sqrt(min(float(np.square(gap).sum(axis=1).min()) for gap in gaps))
+
+
+def sampling_slack_m(distance_m: float, radius_m: float) -> float:
+    """Return by how much less [m] than sampled two aircraft may come between samples.
+
+    Half a sample apart from the closest approach, at no more than twice the UAV's speed, the
+    distance has grown by no more than the sagitta of the relative way, and by what both can
+    accelerate meanwhile.
+    """
+    half = 0.5 * SAMPLE_M
+    return (2.0 * half) ** 2 / (2.0 * distance_m) + half**2 / radius_m
+
+
+def least_of_all_m(
+    batch: PathBatch,
+    forecasts: Sequence[Forecast],
+    *,
+    start_s: float,
+    speeds_mps: float | FloatArray,
+    enough_m: float = 0.0,
+) -> FloatArray:
+    """Return the least distance on every path, shape (n,) [m], over several forecasts.
+
+    ``enough_m``: distances below it need not be the least.
+    """
+    least = np.full(len(batch), math.inf)
+    for forecast in forecasts:
+        one = least_distances_m(
+            batch, forecast, start_s=start_s, speeds_mps=speeds_mps, enough_m=enough_m
+        )
+        least = np.minimum(least, one)
+    return least
+
+
+def least_distances_m(
+    batch: PathBatch,
+    forecast: Forecast,
+    *,
+    start_s: float,
+    speeds_mps: float | FloatArray,
+    lead_mps: float | None = None,
+    enough_m: float = 0.0,
+) -> FloatArray:
+    """Return the least distance to the helicopter on every path, shape (n,) [m].
+
+    ``speeds_mps``: one for all paths, or one for each; ``lead_mps``: that on the first straights
+    where it is another one. ``enough_m``: distances below it need not be the least. Looked at every
+    ``SAMPLE_M`` of a path (``sampling_slack_m``), until it is flown and the helicopter is back at
+    V. On the slot track, at V, the distance no longer changes.
+    """
+    speeds = np.empty(len(batch))
+    speeds[:] = speeds_mps
+    return least_apart_of_each(
+        batch.rows,
+        batch.start_values,
+        radii_m(batch.radius_m),
+        forecast.table,
+        start_s,
+        forecast.steady_s,
+        forecast.speed_mps,
+        speeds,
+        0.0 if lead_mps is None else lead_mps,
+        SAMPLE_M,
+        enough_m,
+    )

@@ -1,0 +1,1 @@
+"""Paths from anywhere onto the moving slot."""

@@ -1,0 +1,308 @@
+"""A path onto a slot while it is flown: how far it is, where it will end, how it is corrected.
+
+Everything here is in the frame of the slot the path leads to (x along the slot track, the track
+on y = 0), so that a correction for a slot that has moved is the same as for a UAV that has.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sar_estimator.common.pose import Pose, wrap_angle
+from sar_planner.paths.flight_path import Arc, CornerFrame, FlightPath, FloatArray, Straight
+from sar_planner.paths.slot_intercept import (
+    COLUMNS,
+    STRAIGHT_P,
+    STRAIGHT_Q,
+    STRAIGHT_Y,
+    CaptureProblem,
+    PathBatch,
+)
+from sar_planner.prediction.forecast import Forecast
+from sar_planner.prediction.separation import least_of_all_m, sampling_slack_m
+from sar_planner.rules.corner_coverage import StripsAt
+
+PAIRS = ((STRAIGHT_Y, STRAIGHT_Q), (STRAIGHT_P, STRAIGHT_Y), (STRAIGHT_P, STRAIGHT_Q))
+BACK_M = 15.0
+AHEAD_FACTOR = 1.5
+GRID_RAD = np.radians(np.arange(-172.5, 181.0, 7.5))
+OVERSHOOTS_RAD = tuple(math.radians(slope) for slope in (20.0, 40.0, 60.0, 80.0))
+SIDES = (1, -1)
+COMPARED = 12
+NEAR_RAD = np.radians((0.0, -2.5, 2.5, -8.0, 8.0))
+CHUNK = 48
+WIDEST = 600
+LOYAL_M = 5.0
+TRIED = 240
+TWO_PI = 2.0 * math.pi
+DETOUR_COST = 0.1
+LONGEST_TURN_RAD = 1.4 * math.pi
+ON_TRACK_M = 40.0
+ON_HEADING_RAD = math.radians(25.0)
+FRAME_SHIFT_M = 20.0
+FRAME_TURN_RAD = math.radians(4.0)
+
+
+@dataclass(frozen=True)
+class Approach:
+    """A path, in the slot's frame, begun at ``begun_s`` and flown at ``speed_mps``.
+
+    ``flown_m``: how far along it the UAV was when it was last looked at.
+    """
+
+    frame: CornerFrame
+    path: FlightPath
+    begun_s: float
+    speed_mps: float
+    flown_m: float = 0.0
+
+    def followed(self, uav: Pose, moved_m: float) -> Approach:
+        """Return the approach once the UAV, in the frame, is at ``uav``.
+
+        ``moved_m``: how far it can have flown since it was last looked at.
+        """
+        low, high = self.flown_m - BACK_M, self.flown_m + AHEAD_FACTOR * moved_m + BACK_M
+        at = self.path.nearest_m(uav.x_m, uav.y_m, max(0.0, low), high)
+        return Approach(self.frame, self.path, self.begun_s, self.speed_mps, max(0.0, at))
+
+    def timed(
+        self,
+        rest: FlightPath,
+        forecast: Forecast,
+        now_s: float,
+        speeds_mps: tuple[float, float],
+        share: float = 1.0,
+    ) -> Approach:
+        """Return the approach at the speed with which the UAV arrives together with its slot.
+
+        ``rest``: what is left of the path; ``speeds_mps``: the slowest and the fastest; ``share``:
+        what of the speed is made good.
+        """
+        v = forecast.speed_mps
+        left_s = forecast.zero_s - now_s + (rest.end.x_m - forecast.leg.x_m) / v
+        wanted = rest.length_m / (left_s * share) if left_s > 1.0 else math.inf
+        slowest, fastest = speeds_mps
+        speed = min(max(wanted, slowest), fastest)
+        begun = now_s - (self.path.length_m - rest.length_m) / speed
+        return Approach(self.frame, self.path, begun, speed, self.flown_m)
+
+    def end_in(self, frame: CornerFrame) -> Pose:
+        """Return where the path ends, in another slot's frame."""
+        return frame.to_frame(self.frame.pose_to_map(self.path.end))
+
+    def misses(self, frame: CornerFrame, left_m: float, far_tolerance: float) -> bool:
+        """Whether the path's end is beside, or across, the slot track as it is known now.
+
+        What is far off need not be met so well yet: a young leg's direction is not known well.
+        """
+        end = self.end_in(frame)
+        shift = max(FRAME_SHIFT_M, far_tolerance * left_m)
+        return abs(end.y_m) > shift or abs(end.heading_rad) > FRAME_TURN_RAD * shift / FRAME_SHIFT_M
+
+    def carried_on(self, uav: Pose, to_m: float) -> Pose:
+        """Return the pose of a UAV that flies on from ``uav`` as the path does, to ``to_m`` [m]."""
+        there, then = (
+            self.path.pose_at(min(at, self.path.length_m)) for at in (self.flown_m, to_m)
+        )
+        moved = uav.offset(there.along(then.x_m, then.y_m), there.across(then.x_m, then.y_m))
+        turned = then.heading_rad - there.heading_rad
+        return Pose(moved.x_m, moved.y_m, wrap_angle(uav.heading_rad + turned))
+
+
+def is_on_track(pose: Pose) -> bool:
+    """Whether a pose in a slot's frame is about on the slot track."""
+    return abs(pose.y_m) < ON_TRACK_M and abs(pose.heading_rad) < ON_HEADING_RAD
+
+
+def total_turn_rad(path: FlightPath) -> float:
+    """Return the sum of all turns, whatever their side [rad]."""
+    return math.fsum(abs(part.turn_rad) for part in path.segments if isinstance(part, Arc))
+
+
+def final_lag_m(path: FlightPath, forecast: Forecast, *, start_s: float, speed_mps: float) -> float:
+    """Return the lag on the slot [m] after a path begun at ``start_s``, at equal speeds then."""
+    arrival_s = start_s + path.length_m / speed_mps
+    return forecast.slot_x_m(arrival_s) - path.end.x_m
+
+
+def _no_circles(batch: PathBatch) -> PathBatch:
+    """Return the paths without a last turn that nearly comes back to where it began."""
+    return batch.take(np.abs(batch.rows[:, 5]) <= LONGEST_TURN_RAD)
+
+
+def _near(turn_rad: float) -> FloatArray:
+    """Return a turn and ones near it, to the same side [rad]; none stays none."""
+    if turn_rad == 0.0:
+        return np.zeros(1)
+    near = turn_rad + NEAR_RAD
+    return near[near * turn_rad > 0.0]
+
+
+def row_of(path: FlightPath) -> FloatArray | None:
+    """Return a path as a row of ``PathBatch``, shape (7,); None where it is no such path."""
+    row = np.zeros(COLUMNS)
+    kinds = (Straight, Arc, Straight, Arc, Straight, Arc, Arc)
+    column = 0
+    for part in path.segments:
+        while column < COLUMNS and not isinstance(part, kinds[column]):
+            column += 1
+        if column == COLUMNS:
+            return None
+        row[column] = part.turn_rad if isinstance(part, Arc) else part.length_m
+        column += 1
+    return row
+
+
+@dataclass(frozen=True)
+class Recapture:
+    """The search for a path from ``start`` at ``start_s`` that ends without lag.
+
+    ``forecasts``: the first is what is expected, all are kept apart from. ``speed_mps``: what the
+    UAV makes good along its path. ``strips``: in a corner, of the cheapest paths the one
+    is taken that leaves the least of them unseen.
+    """
+
+    start: Pose
+    start_s: float
+    forecasts: tuple[Forecast, ...]
+    turn_radius_m: float
+    speed_mps: float
+    separation_m: float
+    longest_m: float
+    strips: StripsAt | None = None
+
+    @property
+    def _problem(self) -> CaptureProblem:
+        v = self.forecasts[0].speed_mps
+        return CaptureProblem(self.start, self.turn_radius_m, v / self.speed_mps)
+
+    @property
+    def _detour_m(self) -> float:
+        return self.start.x_m - self.forecasts[0].slot_x_m(self.start_s)
+
+    def distances_m(self, batch: PathBatch) -> FloatArray:
+        """Return least distances to the helicopter [m], none more than the true ones."""
+        least = least_of_all_m(
+            batch, self.forecasts, start_s=self.start_s, speeds_mps=self.speed_mps
+        )
+        return least - sampling_slack_m(self.separation_m, self.turn_radius_m)
+
+    def _kept(
+        self, batch: PathBatch, costs: FloatArray, wanted_m: float, least_m: float
+    ) -> tuple[FlightPath, float] | None:
+        """Return the cheapest path that stays ``wanted_m`` apart, and its least distance.
+
+        Where there is none, the one that stays the farthest, no less than ``least_m``: the cheapest
+        above some lower limit would graze it, and with every correction graze a lower one.
+        """
+        order = np.argsort(costs, kind="stable")
+        order = order[batch.lengths_m[order] <= self.longest_m]
+        if len(order) > 2 * TRIED:
+            # Near the end of a long list neighbours are alike: a sample of them will do.
+            rest = np.linspace(TRIED, len(order) - 1, TRIED).astype(int)
+            order = order[np.concatenate((np.arange(TRIED), rest))]
+        farthest = None
+        for begin in range(0, len(order), CHUNK):
+            part = batch.take(order[begin : begin + CHUNK])
+            distances = self.distances_m(part)
+            kept = np.flatnonzero(distances >= wanted_m)
+            best = self._best_seeing(part, kept) if kept.size else int(np.argmax(distances))
+            if farthest is None or distances[best] > farthest[1]:
+                farthest = part.path(best), float(distances[best])
+            if kept.size:
+                return farthest
+        return farthest if farthest is not None and farthest[1] >= least_m else None
+
+    def _best_seeing(self, batch: PathBatch, kept: NDArray[np.intp]) -> int:
+        """Return which of some paths to take; the first ones, ``kept``, are the cheapest."""
+        if self.strips is None or len(kept) == 1:
+            return int(kept[0])
+        compared = kept[:COMPARED]
+        return int(compared[np.argmin(self.strips.unseen_m2(batch.take(compared)))])
+
+    def best(self, row: FloatArray | None, wanted_m: float, least_m: float) -> FlightPath | None:
+        """Return the path to fly, the old one given as a row; None where none is safe.
+
+        The old one's headings with other straights, else the shortest of any headings, both ending
+        without lag and ``wanted_m`` apart; else whichever of them stays the farthest apart, no less
+        than ``least_m``; else the one that ends nearest to the slot, short ones preferred.
+        """
+        same = None
+        if row is not None:
+            batch = self._same_turns(row)
+            changed = np.abs(batch.rows[:, [1, 3]] - row[[1, 3]]).sum(axis=1)
+            costs = batch.lengths_m + self.turn_radius_m * changed
+            same = self._kept(batch, costs, wanted_m, least_m)
+            if same is not None and same[1] >= wanted_m - LOYAL_M:
+                return same[0]
+        batch = self._any_turns()
+        exact = self._kept(batch, batch.lengths_m, wanted_m, least_m)
+        if exact is not None and (same is None or exact[1] > same[1] + LOYAL_M):
+            return exact[0]
+        if same is not None:
+            return same[0]
+        inexact = self._any_lag()
+        errors = np.abs(self._problem.detours_m(inexact) - self._detour_m)
+        costs = errors + DETOUR_COST * inexact.lengths_m
+        found = self._kept(inexact, costs, least_m, least_m)
+        return None if found is None else found[0]
+
+    def _same_turns(self, row: FloatArray) -> PathBatch:
+        """Return the paths of the same turns, or of ones near them, with other straights.
+
+        The third turn is the one that makes up for what the first two are changed by.
+        """
+        problem = replace(self._problem, last_turn_rad=float(row[6]))
+        turn_1, turn_2 = (
+            turn.ravel() for turn in np.meshgrid(_near(row[1]), _near(row[3]), indexing="ij")
+        )
+        sides = (int(math.copysign(1.0, row[5])),) if row[5] else SIDES
+        arcs = [problem.arcs(turn_1, turn_2, side) for side in sides]
+        batches = [
+            problem.solve(one, self._detour_m, straights=pair) for pair in PAIRS for one in arcs
+        ]
+        return _no_circles(PathBatch.join(batches))
+
+    def _any_turns(self) -> PathBatch:
+        """Return the paths of any two headings that end without lag."""
+        problem, detour = self._problem, self._detour_m
+        h1, h2 = (grid.ravel() for grid in np.meshgrid(GRID_RAD, GRID_RAD, indexing="ij"))
+        batches = []
+        for first in SIDES:
+            turn_1 = first * np.mod(first * (h1 - self.start.heading_rad), TWO_PI)
+            for second in SIDES:
+                turn_2 = second * np.mod(second * (h2 - h1), TWO_PI)
+                short = (np.abs(turn_1) <= LONGEST_TURN_RAD) & (np.abs(turn_2) <= LONGEST_TURN_RAD)
+                for third in SIDES:
+                    arcs = problem.arcs(turn_1[short], turn_2[short], third)
+                    batches.append(problem.solve(arcs, detour))
+        return _no_circles(PathBatch.join(batches))
+
+    def _any_lag(self) -> PathBatch:
+        """Return paths of one heading, and of one that overshoots the slot track, any lag."""
+        problem = self._problem
+        turn_2 = np.zeros_like(GRID_RAD)
+        batches = []
+        for first in SIDES:
+            turn_1 = first * np.mod(first * (GRID_RAD - self.start.heading_rad), TWO_PI)
+            for last in SIDES:
+                batches.append(problem.reach(problem.arcs(turn_1, turn_2, last)))
+                for slope in OVERSHOOTS_RAD:
+                    over = replace(problem, last_turn_rad=last * slope)
+                    batches.append(over.reach(over.arcs(turn_1, turn_2, -last)))
+        return PathBatch.join(batches)
+
+    def widest(self) -> tuple[FlightPath, float] | None:
+        """Return the path that stays the farthest from the helicopter, and its least distance."""
+        batch = PathBatch.join([self._any_turns(), self._any_lag()])
+        batch = batch.take(np.flatnonzero(batch.lengths_m <= self.longest_m))
+        if len(batch) == 0:
+            return None
+        batch = batch.take(np.linspace(0, len(batch) - 1, min(len(batch), WIDEST)).astype(int))
+        distances = self.distances_m(batch)
+        best = int(np.argmax(distances))
+        return batch.path(best), float(distances[best])

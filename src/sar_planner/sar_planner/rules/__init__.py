@@ -1,0 +1,1 @@
+"""Which path is flown at a corner: the paper's rules and the deadbeat rules."""

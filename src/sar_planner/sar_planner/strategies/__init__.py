@@ -1,0 +1,1 @@
+"""How the UAV is led, from decision to decision."""

@@ -1,0 +1,1 @@
+"""The simulated autopilot and the UAV it flies."""

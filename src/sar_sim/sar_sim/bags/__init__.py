@@ -1,0 +1,1 @@
+"""Recorded flights: bags and tracks."""

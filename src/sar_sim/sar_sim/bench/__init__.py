@@ -1,0 +1,1 @@
+"""What the software costs on a machine."""

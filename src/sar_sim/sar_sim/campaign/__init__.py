@@ -1,0 +1,1 @@
+"""Many missions, and what they come to."""

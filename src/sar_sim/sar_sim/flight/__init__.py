@@ -1,0 +1,1 @@
+"""Flights without sockets: offline and replayed."""

@@ -1,0 +1,1 @@
+"""Child processes, and seeded work on all cores."""

@@ -1,0 +1,174 @@
+"""Which nodes a flight needs, with which parameters. Pure."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from sar_sim.scenario.options import RECORDED_FIX_SIGMA_M
+from sar_sim.scenario.scenario import Scenario, ScenarioError
+
+
+@dataclass(frozen=True)
+class FlightOptions:
+    """What was asked for on the command line.
+
+    ``helicopter``: ``sim``, ``topic``, or the path of a track. ``autopilot``: a URL, empty for the
+    simulated UAV. ``speed``: times real time, None for the default. ``watch_only``: the monitor
+    says what it sees and does nothing. ``engage``: an autopilot that is not simulated here is
+    engaged as soon as the planner agrees.
+    """
+
+    helicopter: str = "sim"
+    autopilot: str = ""
+    rules: str = "deadbeat"
+    speed: float | None = None
+    simulation: bool = True
+    watch_only: bool = False
+    engage: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse combinations that make no flight."""
+        if not self.simulation and not self.autopilot:
+            raise ScenarioError("--no-sim: expected --autopilot URL, the UAV's autopilot")
+        if not self.simulation and self.helicopter != "topic":
+            raise ScenarioError("--no-sim: expected --helicopter topic, a live GPS fix")
+        if self.watch_only and not self.simulation:
+            raise ScenarioError("--watch-only: expected a simulation, not a real flight")
+        if self.engage and self.live:
+            raise ScenarioError("--engage: expected a simulation; in a flight the operator engages")
+        if self.engage and not self.autopilot:
+            raise ScenarioError("--engage: expected --autopilot URL; the simulated UAV is engaged")
+        if self.rules == "follow" and not self.simulation:
+            raise ScenarioError("--rules follow keeps no separation: expected a simulation")
+        if self.speed is not None and not 0.0 < self.speed <= 100.0:
+            raise ScenarioError(f"--speed {self.speed}: expected more than 0, at most 100")
+        if self.speed not in (None, 1.0) and self.helicopter == "topic":
+            raise ScenarioError(f"--speed {self.speed}: a live helicopter flies at 1")
+
+    @property
+    def recorded(self) -> bool:
+        """Whether a recorded track is flown."""
+        return self.helicopter not in ("sim", "topic")
+
+    @property
+    def live(self) -> bool:
+        """Whether the helicopter is a real one."""
+        return self.helicopter == "topic"
+
+    @property
+    def pace(self) -> float:
+        """Times real time: 10 for a whole simulation, 1 as soon as anything is real."""
+        if self.speed is not None:
+            return self.speed
+        return 1.0 if self.live or self.autopilot else 10.0
+
+
+@dataclass(frozen=True)
+class NodeSpec:
+    """One process: the executable of a package, and its node's name and parameters."""
+
+    package: str
+    executable: str
+    parameters: dict[str, Any] = field(default_factory=dict)
+
+
+def plan_nodes(
+    scenario: Scenario,
+    scenario_file: Path,
+    options: FlightOptions,
+    *,
+    bag: Path,
+    port: int,
+    tuned: dict[str, dict[str, Any]],
+) -> list[NodeSpec]:
+    """Return the nodes in the order of their start, the recorder first.
+
+    ``tuned``: parameters from the parameter file by node name, over which the scenario's go.
+    """
+    clock = {"use_sim_time": not options.live}
+    estimator: dict[str, Any] = {}
+    if options.recorded:
+        estimator["default_fix_sigma_m"] = RECORDED_FIX_SIGMA_M
+    elif not options.live:
+        estimator |= {f"datum_{key}": value for key, value in asdict(scenario.datum).items()}
+    corner = {key: value or 0.0 for key, value in asdict(scenario.corner).items()}
+    planner = corner | {
+        "rules": options.rules,
+        "turn_side": scenario.pattern.turn_side,
+        "arc_spacing_m": scenario.arc_spacing_m,
+    }
+    bridge = {
+        "autopilot_url": options.autopilot or f"udp:127.0.0.1:{port}",
+        "altitude_m": scenario.sensor.altitude_m,
+    }
+    monitor = {
+        "min_separation_m": scenario.corner.separation_m,
+        "speed_mps": scenario.corner.speed_mps,
+        "accel_mps2": scenario.corner.accel_mps2,
+        "turn_side": scenario.pattern.turn_side,
+    }
+    if options.watch_only:
+        monitor["watch_only"] = True
+    specs = [
+        NodeSpec("sar_sim", "record", {"bag": str(bag)}),
+        NodeSpec("sar_estimator", "estimator", estimator),
+        NodeSpec("sar_planner", "planner", planner),
+        NodeSpec("sar_bridge", "monitor", monitor),
+        NodeSpec("sar_bridge", "bridge", bridge),
+    ]
+    if options.simulation and not (options.live and options.autopilot):
+        sim = {
+            "scenario": str(scenario_file),
+            "speed": options.pace,
+            "uav": not options.autopilot,
+            "follow_autopilot": bool(options.autopilot),
+            "mavlink_port": port,
+            "live_helicopter": options.live,
+            "track": options.helicopter if options.recorded else "",
+            "wait_for_listeners": 2,
+        }
+        specs.append(NodeSpec("sar_sim", "sim", sim))
+    return [
+        NodeSpec(
+            spec.package,
+            spec.executable,
+            tuned.get(spec.executable, {})
+            | spec.parameters
+            | ({} if spec.executable == "sim" else clock),
+        )
+        for spec in specs
+    ]
+
+
+def parameter_document(specs: list[NodeSpec]) -> dict[str, Any]:
+    """Return a ROS parameter file's content for the nodes."""
+    return {spec.executable: {"ros__parameters": spec.parameters} for spec in specs}
+
+
+def read_tuned(document: object, name: str) -> dict[str, dict[str, Any]]:
+    """Return a parameter file's content by node. Raises ``ScenarioError`` naming what is wrong."""
+    known = ("estimator", "planner", "monitor", "bridge", "record", "sim")
+    if not isinstance(document, dict):
+        raise ScenarioError(f"{name}: expected node names with ros__parameters")
+    tuned = {}
+    for node, block in document.items():
+        if node not in known:
+            raise ScenarioError(f"{name}: {node}: expected one of {', '.join(known)}")
+        values = block.get("ros__parameters") if isinstance(block, dict) else None
+        if not isinstance(values, dict):
+            raise ScenarioError(f"{name}: {node}: expected a mapping ros__parameters")
+        for key, value in values.items():
+            if not isinstance(key, str) or not _is_value(value):
+                expected = "a number, a word, true or false, or a list of one kind of these"
+                raise ScenarioError(f"{name}: {node}: {key} = {value!r}: expected {expected}")
+        tuned[node] = values
+    return tuned
+
+
+def _is_value(value: object) -> bool:
+    """Whether ROS has parameters of this kind."""
+    items = value if isinstance(value, list) else [value]
+    alike = len({type(item) for item in items}) == 1
+    return alike and isinstance(items[0], bool | int | float | str)

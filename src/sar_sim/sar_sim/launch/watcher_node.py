@@ -1,0 +1,92 @@
+"""Node ``launch``: hears the diagnostics of the nodes of a flight."""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from sar_estimator.common import topics
+from sar_estimator.common.conversions import from_stamp
+from sar_estimator.common.node_support import RELIABLE, start_ros
+from sar_sim.jobs.processes import folder_bytes
+
+HANGS_S = 10.0
+SILENT_S = 2.0
+
+
+class Watcher(Node):
+    """Hears the nodes' diagnostics, for the progress line."""
+
+    def __init__(self) -> None:
+        """Subscribe."""
+        super().__init__("launch")
+        self.values: dict[str, dict[str, str]] = {}
+        self.problems: dict[str, str] = {}
+        self.heard_s: dict[str, float] = {}
+        self._newest_s = 0.0
+        self._last_s = self._since_s = -math.inf
+        self.create_subscription(DiagnosticArray, topics.DIAGNOSTICS, self._on, RELIABLE)
+
+    def _on(self, message: DiagnosticArray) -> None:
+        self._newest_s = from_stamp(message.header.stamp)
+        now = time.monotonic()
+        if now - self._last_s > SILENT_S:
+            self._since_s = now
+        self._last_s = now
+        for status in message.status:
+            self.heard_s[status.name] = now
+            self.values[status.name] = {item.key: item.value for item in status.values}
+            self.values[status.name]["time_s"] = str(message.header.stamp.sec)
+            bad = int.from_bytes(status.level, "little") > 0
+            self.problems[status.name] = status.message if bad else ""
+
+    def listen(self, timeout_s: float) -> None:
+        """Take what is heard within ``timeout_s`` [s]."""
+        rclpy.spin_once(self, timeout_sec=timeout_s)
+
+    def close(self) -> None:
+        """Hear nothing more; this process has done with ROS."""
+        self.destroy_node()
+        rclpy.try_shutdown()
+
+    def hangs(self, name: str) -> bool:
+        """Whether a node has said nothing for long while others have all the time."""
+        now = time.monotonic()
+        silent_s = now - max(self.heard_s.get(name, now), self._since_s)
+        return silent_s > HANGS_S and now - self._last_s < SILENT_S
+
+    def time_s(self, speed: float) -> float:
+        """Return the graph's time [s], carried on at a speed while nothing is heard."""
+        silent_s = time.monotonic() - self._last_s
+        carried_on = SILENT_S < silent_s < math.inf
+        return self._newest_s + (speed * silent_s if carried_on else 0.0)
+
+    def line(self, bag: Path) -> str:
+        """Return progress in one line."""
+        planner = self.values.get("planner", {})
+        corner = int(planner.get("corner") or 0)
+        flying = planner.get("rule", "") in ("T1", "T2", "T3", "T4")
+        leg = corner if flying or planner.get("phase") == "decelerating" else corner + 1
+        parts = [
+            f"t {planner.get('time_s', '–')} s",
+            f"leg {max(1, leg)}",
+            f"corner k={corner}",
+            f"rule {planner.get('rule', '–')}",
+            f"L {planner.get('lag_m') or '–'} m",
+            f"separation {planner.get('separation_m') or '–'} m",
+            f"bag {folder_bytes(bag) / 1e6:.1f} MB",
+        ]
+        worst = next((f"{name}: {text}" for name, text in self.problems.items() if text), "")
+        return "  ".join([*parts, worst]).rstrip()
+
+
+def start_watching() -> Watcher:
+    """Start ROS, which leaves signals to the launcher, and watch."""
+    start_ros(signal_handler_options=SignalHandlerOptions.NO)
+    return Watcher()

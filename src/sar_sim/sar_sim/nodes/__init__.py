@@ -1,0 +1,1 @@
+"""Nodes: simulation, recorder, player."""

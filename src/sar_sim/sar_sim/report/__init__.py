@@ -1,0 +1,1 @@
+"""What a recorded flight comes to: figures of merit, pictures, a page."""

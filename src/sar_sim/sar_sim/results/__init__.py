@@ -1,0 +1,1 @@
+"""The paper's results and this project's beside them."""

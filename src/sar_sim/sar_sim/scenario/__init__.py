@@ -1,0 +1,1 @@
+"""What a simulated mission is made of."""

@@ -1,0 +1,1 @@
+"""Trials of parts of the system: encounters, rejoining, faults, tracking, the radio."""

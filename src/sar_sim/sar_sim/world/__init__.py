@@ -1,0 +1,1 @@
+"""The helicopter, its receiver and its UAV."""

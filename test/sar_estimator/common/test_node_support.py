@@ -1,0 +1,77 @@
+"""How nodes end, and when they report."""
+
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from itertools import pairwise
+
+import pytest
+
+from sar_estimator.common import node_support
+
+HANGING = """
+import sys, time
+import rclpy
+from rclpy.node import Node
+from sar_estimator.common import node_support
+
+def hang(node):
+    print("spinning", flush=True)
+    while True:
+        try:
+            time.sleep(60.0)
+        except KeyboardInterrupt:
+            pass
+
+node_support.PATIENCE_S = 0.5
+rclpy.spin = hang
+sys.exit(node_support.run_node("hanging", lambda: Node("hanging")))
+"""
+
+
+@pytest.mark.graph
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("trapped", ["", "trap '' INT; "], ids=["alone", "in_the_background"])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_node_ends_when_asked_whatever_hangs_in_it(number, trapped):
+    """A shell has what it starts in the background ignore SIGINT."""
+    process = subprocess.Popen(
+        ["bash", "-c", f'{trapped}exec "$@"', "bash", sys.executable, "-c", HANGING],
+        stdout=subprocess.PIPE,
+        env=dict(os.environ, ROS_DOMAIN_ID="96"),
+        text=True,
+    )
+    try:
+        assert process.stdout.readline() == "spinning\n"
+        time.sleep(0.3)
+        assert process.poll() is None
+        process.send_signal(number)
+        assert process.wait(timeout=15.0) == 0
+    finally:
+        process.kill()
+        process.wait()
+
+
+@pytest.mark.parametrize("begun", [0.0, 0.1, 0.2, 0.45, 0.7, 0.95])
+@pytest.mark.parametrize("late", [0.0, 0.03])
+def test_reports_come_each_second_and_between_the_fixes(begun, late):
+    reported, times = -math.inf, []
+    for step in range(80):
+        now = begun + 0.5 * step + late * (step % 3)
+        if node_support.is_report_due(now, reported):
+            reported = now
+            times.append(now)
+    assert len(times) > 34
+    gaps = [after - before for before, after in pairwise(times)]
+    assert min(gaps) > 0.4
+    assert max(gaps) < 1.6
+    assert all(0.1 < time % 1.0 < 0.8 for time in times[2:])
+
+
+def test_a_clock_set_back_is_reported_at_once():
+    assert node_support.is_report_due(100.1, 160.5)
+    assert node_support.is_report_due(3700.1, 160.5)
+    assert not node_support.is_report_due(160.9, 160.5)

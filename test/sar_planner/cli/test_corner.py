@@ -1,0 +1,82 @@
+import json
+
+import numpy as np
+import pytest
+
+from sar_planner.cli.corner import main
+
+
+def run(capsys, *arguments):
+    code = main(list(arguments))
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_json_of_a_fixed_curve(capsys):
+    code, out, _ = run(capsys, "--rules", "paper", "--lag", "480", "--json")
+    values = json.loads(out)
+    assert code == 0
+    assert values["rule"] == "T2"
+    assert values["next_lag_m"] == pytest.approx(458.2006, abs=1e-3)
+    assert values["closest_approach_m"] == pytest.approx(23.85, abs=0.01)
+    path = np.array(values["path"])
+    assert np.hypot(*np.diff(path, axis=0).T).max() <= 5.0
+    assert path[0] == pytest.approx((-560.0, -250.0))
+    assert path[-1][0] == pytest.approx(-250.0)
+    assert sum(part["length_m"] for part in values["segments"]) == pytest.approx(values["length_m"])
+
+
+def test_left_over_options_reach_the_parameters(capsys, tmp_path):
+    params = tmp_path / "corner.yaml"
+    params.write_text("convergence: 0.25\n", encoding="utf-8")
+    _, out, _ = run(capsys, "--rules", "paper", "--lag", "20", "--json", "--params", str(params))
+    assert json.loads(out)["next_lag_m"] == pytest.approx(5.0)
+    _, out, _ = run(capsys, "--rules", "paper", "--lag", "20", "--json", "--convergence", "0.75")
+    assert json.loads(out)["next_lag_m"] == pytest.approx(15.0)
+
+
+def test_a_rule_can_be_forced(capsys):
+    _, out, _ = run(capsys, "--lag", "-78", "--rule", "T4", "--json")
+    assert json.loads(out)["rule"] == "T4"
+    assert json.loads(out)["closest_approach_m"] == pytest.approx(15.826, abs=1e-3)
+
+
+def test_text_and_graph(capsys):
+    code, out, _ = run(capsys, "--rules", "paper", "--lag", "0", "--graph")
+    assert code == 0
+    assert "T4 -> T1" in out
+    assert "T3 (convergent)" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--lag", "0", "--separation", "260"), "min_separation_m = 260.0: expected less than"),
+        (
+            ("--lag", "0", "--rules", "paper", "--accel", "1"),
+            "accel_mps2 = 1.0: expected more than",
+        ),
+        (("--lag", "nan"), "lag nan: expected a finite number"),
+        (("--lag", "0", "--params", "/nowhere.yaml"), "/nowhere.yaml"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_2(capsys, arguments, message):
+    code, _, err = run(capsys, *arguments)
+    assert code == 2
+    assert err.startswith("corner: ")
+    assert message in err
+    assert err.count("\n") == 1
+
+
+def test_unknown_parameter_is_named(capsys, tmp_path):
+    params = tmp_path / "corner.yaml"
+    params.write_text("sped_mps: 20\n", encoding="utf-8")
+    code, _, err = run(capsys, "--lag", "0", "--params", str(params))
+    assert code == 2
+    assert "corner.yaml: sped_mps: unknown" in err
+
+
+def test_neither_lag_nor_graph_is_refused():
+    with pytest.raises(SystemExit) as stop:
+        main([])
+    assert stop.value.code == 2

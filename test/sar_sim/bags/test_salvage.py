@@ -1,0 +1,124 @@
+"""Bags whose recorder was killed are read up to their last whole record."""
+
+import errno
+import os
+import threading
+from pathlib import Path
+
+import pytest
+from rclpy.serialization import serialize_message
+
+from sar_estimator.common.conversions import text_message
+from sar_sim.bags.bag import BagWriter, open_bag, read_messages
+from sar_sim.bags.salvage import is_cut
+
+PERIOD_S, FLUSHED_EVERY, COUNT = 0.1, 10, 600
+
+
+def write(folder, *, close=False):
+    """Write a minute of messages, brought to the disk every second; return the writer."""
+    bag = BagWriter(folder)
+    for i in range(COUNT):
+        data = serialize_message(text_message(f"{i} " + 40 * "x"))
+        bag.write(
+            f"/t{i % 3}", "std_msgs/msg/String", data, 100.0 + PERIOD_S * i, latched=i % 3 == 0
+        )
+        if (i + 1) % FLUSHED_EVERY == 0:
+            bag.flush()
+    if close:
+        bag.close()
+    return bag
+
+
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory):
+    """Return the folder of a bag that was never finished, as a killed process leaves it."""
+    folder = tmp_path_factory.mktemp("killed") / "bag"
+    child = os.fork()
+    if child == 0:
+        write(folder)
+        os._exit(9)
+    os.waitpid(child, 0)
+    return folder
+
+
+def numbers(folder):
+    return [int(message.data.split()[0]) for _, _, message in read_messages(folder)]
+
+
+def test_a_finished_bag_is_read_as_it_is(tmp_path):
+    write(tmp_path / "bag", close=True)
+    assert not is_cut(tmp_path / "bag")
+    assert sorted(numbers(tmp_path / "bag")) == list(range(COUNT))
+
+
+def test_a_killed_recorder_loses_nothing_that_was_flushed(killed):
+    assert not (killed / "metadata.yaml").exists()
+    assert is_cut(killed)
+    assert sorted(numbers(killed)) == list(range(COUNT))
+    with open_bag(killed) as reader:
+        latched = {
+            c.topic: c.ext.offered_qos_profiles[0].durability.name for c in reader.connections
+        }
+    assert latched["/t0"] == "TRANSIENT_LOCAL"
+    assert latched["/t1"] == "VOLATILE"
+
+
+@pytest.mark.parametrize("finished", [False, True])
+def test_cut_at_any_byte_it_is_read_up_to_the_last_second(tmp_path, killed, finished):
+    folder = killed
+    if finished:
+        write(tmp_path / "whole", close=True)
+        folder = tmp_path / "whole"
+    data = next(folder.glob("*.mcap")).read_bytes()
+    begun = data.index(b"0 xxxx")
+    counts = []
+    for size in range(len(data) - 1, begun, -997):
+        cut = tmp_path / f"cut{size}"
+        cut.mkdir()
+        (cut / "cut.mcap").write_bytes(data[:size])
+        try:
+            found = sorted(numbers(cut))
+        except ValueError:
+            found = []
+        assert found == list(range(len(found)))
+        # Of what is there, no more than a second is missing.
+        there = data[:size].count(b"xxxxxxxx") and data[:size].count(40 * b"x")
+        assert there - len(found) <= FLUSHED_EVERY
+        counts.append(len(found))
+    assert counts == sorted(counts, reverse=True)
+    assert len(counts) > 30
+
+
+@pytest.mark.parametrize("content", [b"", b"\x89MC", b"something else altogether"])
+def test_a_file_that_is_no_bag_is_one_line(tmp_path, content):
+    (tmp_path / "bag").mkdir()
+    (tmp_path / "bag" / "bag.mcap").write_bytes(content)
+    with pytest.raises(ValueError, match="not an MCAP file") as error:
+        numbers(tmp_path / "bag")
+    assert str(tmp_path) in str(error.value)
+    assert Path(tmp_path, "bag", "bag.mcap").read_bytes() == content
+
+
+def test_a_slow_disk_is_not_waited_for_and_its_error_is_told(tmp_path, monkeypatch):
+    begun, go_on = threading.Event(), threading.Event()
+    calls = []
+
+    def fsync(number):
+        calls.append(number)
+        begun.set()
+        assert go_on.wait(30.0)
+        raise OSError(errno.EIO, "no disk")
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    bag = BagWriter(tmp_path / "bag")
+    for _ in range(3):
+        bag.write("/t", "std_msgs/msg/String", serialize_message(text_message("x")), 1.0)
+        bag.flush()
+        assert begun.wait(30.0)
+    assert len(calls) == 1
+    go_on.set()
+    assert bag._synced.exception(timeout=30.0) is not None
+    with pytest.raises(OSError, match="no disk"):
+        bag.flush()
+    bag.close()

@@ -1,0 +1,120 @@
+from pathlib import Path
+
+import pytest
+
+from sar_sim.launch.launch_plan import FlightOptions, parameter_document, plan_nodes, read_tuned
+from sar_sim.scenario.scenario import Scenario, ScenarioError
+
+
+def plan(options, tuned=None):
+    specs = plan_nodes(
+        Scenario(), Path("s.yaml"), options, bag=Path("bag"), port=15000, tuned=tuned or {}
+    )
+    return {spec.executable: spec.parameters for spec in specs}
+
+
+def test_whole_simulation():
+    nodes = plan(FlightOptions(), {"planner": {"reaction_s": 3.0, "rules": "other"}})
+    assert list(nodes) == ["record", "estimator", "planner", "monitor", "bridge", "sim"]
+    assert nodes["monitor"]["min_separation_m"] == 200.0
+    assert nodes["bridge"]["autopilot_url"] == "udp:127.0.0.1:15000"
+    assert nodes["estimator"]["datum_latitude_deg"] == 37.8
+    assert nodes["planner"]["reaction_s"] == 3.0
+    assert nodes["planner"]["rules"] == "deadbeat"
+    assert nodes["planner"]["taylor_y_m"] == 0.0
+    assert nodes["sim"]["speed"] == 10.0
+    assert all(nodes[name]["use_sim_time"] for name in nodes if name != "sim")
+
+
+def test_real_autopilot_with_a_simulated_helicopter():
+    nodes = plan(FlightOptions(autopilot="tcp:127.0.0.1:5760"))
+    assert nodes["bridge"]["autopilot_url"] == "tcp:127.0.0.1:5760"
+    assert nodes["sim"]["uav"] is False
+    assert nodes["sim"]["speed"] == 1.0
+
+
+def test_a_real_flight_simulates_nothing():
+    nodes = plan(FlightOptions("topic", "/dev/ttyUSB0,57600", "paper", None, simulation=False))
+    assert "sim" not in nodes
+    assert not nodes["planner"]["use_sim_time"]
+    assert "datum_latitude_deg" not in nodes["estimator"]
+
+
+def test_live_helicopter_with_the_simulated_uav():
+    nodes = plan(FlightOptions("topic"))
+    assert nodes["sim"]["live_helicopter"]
+    assert nodes["sim"]["speed"] == 1.0
+
+
+def test_recorded_track():
+    nodes = plan(FlightOptions("flight.csv"))
+    assert nodes["sim"]["track"] == "flight.csv"
+    assert nodes["estimator"]["default_fix_sigma_m"] == 10.0
+    assert "datum_latitude_deg" not in nodes["estimator"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"simulation": False}, "--no-sim: expected --autopilot"),
+        (
+            {
+                "simulation": False,
+                "autopilot": "udp:1.2.3.4:5",
+                "helicopter": "topic",
+                "watch_only": True,
+            },
+            "--watch-only: expected a simulation",
+        ),
+        ({"simulation": False, "autopilot": "udp:1.2.3.4:5"}, "--no-sim: expected --helicopter"),
+        (
+            {"simulation": False, "autopilot": "udp:1.2.3.4:5", "helicopter": "a.csv"},
+            "--no-sim: exp",
+        ),
+        (
+            {
+                "simulation": False,
+                "autopilot": "udp:1.2.3.4:5",
+                "helicopter": "topic",
+                "engage": True,
+            },
+            "--engage: expected a simulation; in a flight the operator engages",
+        ),
+        (
+            {"autopilot": "udp:1.2.3.4:5", "helicopter": "topic", "engage": True},
+            "--engage: expected a simulation",
+        ),
+        ({"engage": True}, "--engage: expected --autopilot URL"),
+        ({"speed": 0.0}, "--speed 0.0"),
+        ({"speed": 5.0, "helicopter": "topic"}, "--speed 5.0: a live helicopter flies at 1"),
+    ],
+)
+def test_combinations_that_make_no_flight(options, message):
+    with pytest.raises(ScenarioError, match=message):
+        FlightOptions(**options)
+
+
+def test_parameter_files():
+    values = {"reaction_s": 1.0, "rules": "paper", "corners": 3, "on": True, "rows": [1.0, 2.0]}
+    document = {"planner": {"ros__parameters": values}}
+    assert read_tuned(document, "p.yaml") == {"planner": values}
+    for bad, message in (
+        ([1], "p.yaml: expected node names"),
+        ({"pilot": {}}, "p.yaml: pilot: expected one of"),
+        ({"planner": {"reaction_s": 1}}, "p.yaml: planner: expected a mapping ros__parameters"),
+        ({"planner": {"ros__parameters": {"reaction_s": None}}}, "planner: reaction_s = None: exp"),
+        ({"planner": {"ros__parameters": {"air": {"a": 1}}}}, "planner: air = {'a': 1}: expected"),
+        ({"planner": {"ros__parameters": {"rows": [1, "a"]}}}, "planner: rows = .*: expected"),
+        ({"planner": {"ros__parameters": {"rows": []}}}, "planner: rows = .*: expected"),
+        ({"planner": {"ros__parameters": {7: 1}}}, "planner: 7 = 1: expected"),
+    ):
+        with pytest.raises(ScenarioError, match=message):
+            read_tuned(bad, "p.yaml")
+
+
+def test_parameter_document_has_a_block_per_node():
+    specs = plan_nodes(
+        Scenario(), Path("s.yaml"), FlightOptions(), bag=Path("bag"), port=1, tuned={}
+    )
+    document = parameter_document(specs)
+    assert document["bridge"]["ros__parameters"]["autopilot_url"] == "udp:127.0.0.1:1"
