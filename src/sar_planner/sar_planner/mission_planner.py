@@ -18,10 +18,10 @@ from sar_planner.paths.flight_path import FloatArray
 from sar_planner.prediction.situation import Situation
 from sar_planner.rules.rule_sets import check_planner
 from sar_planner.strategies.active_corner import ActiveCorner, Mode
-from sar_planner.strategies.deadbeat import DeadbeatPilot
-from sar_planner.strategies.follow import FollowPilot
-from sar_planner.strategies.paper import PaperPilot
-from sar_planner.strategies.strategy import Pilot
+from sar_planner.strategies.deadbeat.strategy import DeadbeatStrategy
+from sar_planner.strategies.follow import FollowStrategy
+from sar_planner.strategies.paper import PaperStrategy
+from sar_planner.strategies.strategy import Strategy, StrategyReport
 
 MAX_WAYPOINTS = 400
 REFUSED_RETRY_S = 2.0
@@ -72,15 +72,15 @@ class WaypointList:
     speed_mps: float | None = None
 
 
-PILOTS: dict[str, type[Pilot]] = {
-    "deadbeat": DeadbeatPilot,
-    "paper": PaperPilot,
-    "follow": FollowPilot,
+STRATEGIES: dict[str, type[Strategy]] = {
+    "deadbeat": DeadbeatStrategy,
+    "paper": PaperStrategy,
+    "follow": FollowStrategy,
 }
 
 
 class MissionPlanner:
-    """Engages, disengages, and hands what is known to the pilot of the chosen rule set.
+    """Engages, disengages, and hands what is known to the chosen strategy.
 
     ``problem``: why the planner cannot do what it should, empty when all is well. ``list``: the
     newest waypoint list. Raises ``ParameterError`` at construction for parameters outside the
@@ -93,7 +93,7 @@ class MissionPlanner:
         self.corner_parameters = corner
         self.parameters = mission
         self.situation = Situation(corner, mission.turn_side)
-        self._pilot = PILOTS[mission.rules](self.situation, corner, mission)
+        self._strategy = STRATEGIES[mission.rules](self.situation, corner, mission)
         self.engaged = False
         self.problem = ""
         self.list: WaypointList | None = None
@@ -152,16 +152,16 @@ class MissionPlanner:
     def set_monitor(self, status: MonitorStatus) -> None:
         """Take what the monitor says: while it leads the UAV away, nothing is planned."""
         if self.engaged and status.escaping and not self.monitor.escaping:
-            self._pilot.end()
+            self._strategy.end()
             self.list = None
         if self.engaged and self.monitor.escaping and not status.escaping:
-            self._pilot.begin()
+            self._strategy.begin()
         self.monitor = status
 
     def set_vehicle(self, vehicle: Vehicle) -> None:
         """Take what the autopilot says of the UAV."""
         self.vehicle = vehicle
-        self._pilot.lists.tuning = vehicle.tuning(self.parameters)
+        self._strategy.lists.tuning = vehicle.tuning(self.parameters)
         self._set_air()
 
     def set_wind(self, wind_mps: tuple[float, float]) -> None:
@@ -172,11 +172,11 @@ class MissionPlanner:
 
     def _set_air(self) -> None:
         """Work out the UAV's airspeeds and the wind from what is known of them."""
-        self._pilot.lists.air = self.vehicle.air(self.wind_mps, self.status.airspeed_ratio)
+        self._strategy.lists.air = self.vehicle.air(self.wind_mps, self.status.airspeed_ratio)
 
     def set_leg(self, leg: LegEstimate) -> None:
         """Take the leg being flown."""
-        if self._pilot.believes(leg):
+        if self._strategy.believes(leg):
             self.situation.set_leg(leg)
 
     def set_phase(self, phase: Phase) -> None:
@@ -208,13 +208,15 @@ class MissionPlanner:
 
     def engage(self, now_s: float) -> str:
         """Begin to lead the UAV; return why not, empty when begun."""
-        unfit = self.vehicle.refusal(self.corner_parameters, self.parameters, self._pilot.lists.air)
+        unfit = self.vehicle.refusal(
+            self.corner_parameters, self.parameters, self._strategy.lists.air
+        )
         reason = self._not_flying() or self.obstacle(now_s) or unfit
         if not reason and not self.engaged:
             self.engaged = True
             self._new = False
             self._told_mps = 0.0
-            self._pilot.begin()
+            self._strategy.begin()
             self._in_auto = self.status.mode == "AUTO"
         return reason
 
@@ -231,21 +233,26 @@ class MissionPlanner:
     def disengage(self) -> None:
         """Stop leading the UAV."""
         self._new = False
-        self._pilot.end()
+        self._strategy.end()
         self.engaged = False
         self.list = None
 
     # Measured ----------------------------------------------------------------------------------
 
     @property
+    def report(self) -> StrategyReport:
+        """What the strategy tells of itself."""
+        return self._strategy.report
+
+    @property
     def mode(self) -> Mode:
         """What the UAV is being led along."""
-        return self._pilot.mode if self.engaged else Mode.IDLE
+        return self.report.mode if self.engaged else Mode.IDLE
 
     @property
     def active(self) -> ActiveCorner | None:
         """The corner being flown."""
-        return self._pilot.active
+        return self.report.corner
 
     @property
     def rule(self) -> str:
@@ -257,7 +264,7 @@ class MissionPlanner:
     @property
     def speed_mps(self) -> float | None:
         """The ground speed asked of the UAV [m/s]; None where it is left to the autopilot."""
-        return self._pilot.speed_mps if self.engaged else None
+        return self.report.speed_mps if self.engaged else None
 
     @property
     def airspeed_mps(self) -> float | None:
@@ -268,7 +275,7 @@ class MissionPlanner:
         speed = self.speed_mps
         if speed is None:
             return None
-        true_mps = self._pilot.lists.air.airspeed_mps(self._course_rad, speed)
+        true_mps = self._strategy.lists.air.airspeed_mps(self._course_rad, speed)
         return self.vehicle.indicated_mps(true_mps, self.status.airspeed_ratio)
 
     def newly_asked_mps(self, step_mps: float) -> float | None:
@@ -282,28 +289,28 @@ class MissionPlanner:
     @property
     def made_good(self) -> float:
         """The share of its speed that the UAV is expected to make good at corners."""
-        return self._pilot.made_good
+        return self.report.efficiency
 
     @property
     def turn_radius_m(self) -> float:
         """The radius that paths are planned with: more than the configured one where learnt [m]."""
-        return self._pilot.turns.radius_m
+        return self._strategy.turns.radius_m
 
     @property
     def kept_lag_m(self) -> float:
         """The lag kept on legs for a UAV that makes little of its speed good [m], else 0."""
-        return self._pilot.kept_lag_m
+        return self.report.lag_setpoint_m
 
     @property
     def corrections(self) -> int:
         """How often a path was corrected after it was begun."""
-        return self._pilot.corrections
+        return self.report.corrections
 
     def lag_m(self) -> float | None:
         """Return the UAV's lag [m]: L(k) in a corner, on a leg the present along-track lag."""
         if self.active is not None:
             return self.active.plan.lag_m
-        slot = self._pilot.slot or self.situation.slot
+        slot = self.report.slot or self.situation.slot
         if self.uav is None or self.helicopter is None or slot is None:
             return None
         ahead = slot.along(self.helicopter.x_m, self.helicopter.y_m)
@@ -328,11 +335,12 @@ class MissionPlanner:
         if self.problem:
             return None
         refused = self._refused(now_s)
-        listed = self._pilot.update(now_s)
-        pilot, speed = self._pilot, self._pilot.speed_mps
-        self._course_rad = pilot.course_rad
-        slow = "" if speed is None else pilot.lists.air.out_of_reach(self._course_rad, speed)
-        self.problem = "; ".join(note for note in (pilot.problem, slow, refused) if note)
+        listed = self._strategy.update(now_s)
+        report, air = self.report, self._strategy.lists.air
+        speed = report.speed_mps
+        self._course_rad = report.course_rad
+        slow = "" if speed is None else air.out_of_reach(self._course_rad, speed)
+        self.problem = "; ".join(note for note in (report.problem, slow, refused) if note)
         if listed is None:
             return None
         name, points = listed
@@ -356,12 +364,12 @@ class MissionPlanner:
             return ""
         if now_s > self._retry_s and self.mode in (Mode.LEG, Mode.HOLD):
             self._retry_s = now_s + REFUSED_RETRY_S
-            self._pilot.begin()
+            self._strategy.begin()
         return self.monitor.reason
 
     def set_clock_back(self) -> None:
         """Forget what belongs to a time that has not come yet: the clock was set back."""
-        self._pilot.set_clock_back()
+        self._strategy.set_clock_back()
         self.situation.set_clock_back()
 
 

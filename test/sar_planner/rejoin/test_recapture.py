@@ -12,7 +12,8 @@ from sar_planner.paths.flight_path import Arc, CornerFrame, FlightPath, Straight
 from sar_planner.paths.slot_intercept import PathBatch
 from sar_planner.prediction.forecast import cornering, cruising
 from sar_planner.prediction.separation import closest_over_time
-from sar_planner.rejoin.recapture import Approach, Recapture, final_lag_m, row_of, total_turn_rad
+from sar_planner.rejoin.recapture import Recapture, row_of
+from sar_planner.rejoin.tracked_path import TrackedPath, final_lag_m, total_turn_rad
 
 FRAME = CornerFrame(Pose(0.0, 0.0, 0.0), 1)
 LEG = cruising(0.0, Pose(0.0, 250.0, 0.0), 20.0)
@@ -38,7 +39,7 @@ def test_path_of_another_shape_has_no_row():
 
 def test_progress_follows_the_uav_and_does_not_jump_where_the_path_crosses_itself():
     path = FlightPath.of(Pose(0, 0, 0), [Straight(300.0), Arc(100.0, 1.9 * math.pi), Straight(300)])
-    approach = Approach(FRAME, path, 0.0, 20.0)
+    approach = TrackedPath(FRAME, path, 0.0, 20.0)
     for flown in np.arange(0.0, path.length_m, 13.0):
         pose = path.pose_at(float(flown))
         beside = pose.offset(0.0, 6.0)
@@ -100,7 +101,7 @@ def test_turns_are_about_kept_where_they_do():
 def test_a_uav_beside_its_path_is_carried_on_as_the_path_goes():
     path = FlightPath.of(Pose(0.0, 0.0, 0.0), (Straight(100.0), Arc(100.0, math.pi / 2)))
     frame = CornerFrame(Pose(0.0, 0.0, 0.0), 1)
-    approach = Approach(frame, path, 0.0, 20.0, flown_m=90.0)
+    approach = TrackedPath(frame, path, 0.0, 20.0, flown_m=90.0)
     exact = approach.carried_on(path.pose_at(90.0), 150.0)
     there = path.pose_at(150.0)
     assert (exact.x_m, exact.y_m) == pytest.approx((there.x_m, there.y_m))

@@ -149,7 +149,7 @@ def test_messages_are_paired_by_their_times(events):
 
 
 def test_the_first_difference_is_told_with_its_time_and_topic(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("sar_planner.strategies.deadbeat.OFF_PATH_M", -1.0)
+    monkeypatch.setattr("sar_planner.strategies.deadbeat.path_following.OFF_PATH_M", -1.0)
     assert main([str(BAGS / "one_corner")]) == 1
     lines = capsys.readouterr().out.splitlines()
     assert lines[-2].startswith("t = ")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from sar_estimator.common.pose import Pose, wrap_angle
@@ -14,6 +16,7 @@ from sar_planner.parameters.mission import MissionParameters
 from sar_planner.paths.flight_path import FlightPath, FloatArray, Straight
 
 Listed = tuple[str, FloatArray]
+"""What a list is for, and its waypoints, shape (n, 2) [m] in the map."""
 LEAST_GAP_M = 5.0
 LOITER_AHEAD_M = 300.0
 GUIDE_GAP_M = 10.0
@@ -23,6 +26,38 @@ LEAST_TOLERANCE_SHARE = 0.3
 FAR_M, FAR_SHARE = 500.0, 0.5
 SAME_PATH_M = 50.0
 SAME_HEADING_RAD = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class PathListing:
+    """A path, in the map, that is to be listed.
+
+    ``mode``: what it is for. ``speed_mps``: over ground. ``from_m``: where along it the UAV is.
+    """
+
+    mode: str
+    path: FlightPath
+    speed_mps: float
+    from_m: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class SlotListing:
+    """A slot track that is to be listed, when that is due."""
+
+    mode: str
+    slot: Pose
+
+
+@dataclass(frozen=True, slots=True)
+class HoldListing:
+    """A circle ahead of a pose that is to be listed."""
+
+    mode: str
+    pose: Pose
+
+
+Listing = PathListing | SlotListing | HoldListing
 
 
 class WaypointLists:
@@ -41,6 +76,18 @@ class WaypointLists:
         self.air = AirEnvelope()
         self._listed: Pose | None = None
         self._guide: Guide | None = None
+
+    def make(self, listing: Listing, uav: Motion) -> Listed | None:
+        """Return what is to be listed; None where a slot track's list is not due."""
+        if isinstance(listing, SlotListing):
+            points = self.track(listing.slot, uav)
+            return None if points is None else (listing.mode, points)
+        self.forget()
+        if isinstance(listing, HoldListing):
+            ahead = self.loiter(listing.pose, self._p.capture_m)
+            return listing.mode, np.array([ahead])
+        points = self.along(listing.path, listing.speed_mps, from_m=listing.from_m)
+        return listing.mode, points
 
     def forget(self) -> None:
         """Something else was listed since."""

@@ -19,14 +19,14 @@ from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.prediction.situation import Situation
 from sar_planner.strategies.active_corner import Mode
-from sar_planner.strategies.strategy import Pilot
+from sar_planner.strategies.strategy import Strategy, StrategyReport
 
 PERIOD_S = 1.0
 AHEAD_S = 10.0
 STANDING_MPS = 3.0
 
 
-class FollowPilot(Pilot):
+class FollowStrategy(Strategy):
     """A new list of two waypoints every second: ahead of the slot point, and farther that way."""
 
     def __init__(
@@ -36,16 +36,19 @@ class FollowPilot(Pilot):
         super().__init__(situation, corner, mission)
         self._due_s = -math.inf
         self._course_rad: float | None = None
+        self._slot: Pose | None = None
+        self._speed_mps: float | None = None
+        self._problem = ""
 
     @property
-    def mode(self) -> Mode:
-        """What the UAV is being led along: to it all is one leg."""
-        return Mode.LEG
-
-    @property
-    def course_rad(self) -> float:
-        """The course that the airspeed is chosen for: that of the UAV."""
-        return 0.0 if self._s.uav is None else self._s.uav.course_rad
+    def report(self) -> StrategyReport:
+        """What it tells of itself: to it all is one leg, flown on the UAV's course."""
+        return StrategyReport(
+            slot=self._slot,
+            speed_mps=self._speed_mps,
+            course_rad=0.0 if self._s.uav is None else self._s.uav.course_rad,
+            problem=self._problem,
+        )
 
     def begin(self) -> None:
         """Begin to lead, at once."""
@@ -53,7 +56,7 @@ class FollowPilot(Pilot):
 
     def end(self) -> None:
         """Stop leading."""
-        self.speed_mps = None
+        self._speed_mps = None
 
     def believes(self, leg: LegEstimate) -> bool:  # noqa: ARG002
         """Whether a leg is believed: all are, for none is used."""
@@ -71,21 +74,21 @@ class FollowPilot(Pilot):
         if helicopter.speed_mps > STANDING_MPS:
             self._course_rad = helicopter.course_rad
         if self._course_rad is None:
-            self.problem = "helicopter's course not known: it stands"
+            self._problem = "helicopter's course not known: it stands"
             return None
-        self.problem = ""
+        self._problem = ""
         self._due_s = now_s + PERIOD_S
         since = now_s - helicopter.time_s
         x = helicopter.x_m + since * helicopter.vx_mps
         y = helicopter.y_m + since * helicopter.vy_mps
-        self.slot = self._s.slot_of(Pose(x, y, self._course_rad))
-        behind = -self.slot.along(uav.x_m, uav.y_m) - uav.speed_mps * (now_s - uav.time_s)
-        self.speed_mps = trimmed_mps(
+        self._slot = self._s.slot_of(Pose(x, y, self._course_rad))
+        behind = -self._slot.along(uav.x_m, uav.y_m) - uav.speed_mps * (now_s - uav.time_s)
+        self._speed_mps = trimmed_mps(
             behind,
             self._corner.speed_mps,
             gain=self._mission.trim_gain,
             trim=self._mission.speed_trim,
         )
         ahead_m = self._corner.speed_mps * AHEAD_S
-        points = [self.slot.offset(ahead_m + further) for further in (0.0, LOITER_AHEAD_M)]
+        points = [self._slot.offset(ahead_m + further) for further in (0.0, LOITER_AHEAD_M)]
         return str(Mode.LEG), np.array([(pose.x_m, pose.y_m) for pose in points])

@@ -15,14 +15,14 @@ from sar_planner.prediction.situation import Situation
 from sar_planner.rules.paper_automaton import PaperAutomaton
 from sar_planner.rules.paper_rules import CornerPlan
 from sar_planner.strategies.active_corner import ActiveCorner, Mode, measured, unusable
-from sar_planner.strategies.strategy import Pilot
+from sar_planner.strategies.strategy import Strategy, StrategyReport
 
 ON_TRACK_M = 60.0
 ON_HEADING_RAD = math.radians(25.0)
 LATE_FACTOR = 1.5
 
 
-class PaperPilot(Pilot):
+class PaperStrategy(Strategy):
     """Slot track on legs, one of the paper's four rules at corners; nothing in between."""
 
     def __init__(
@@ -30,28 +30,36 @@ class PaperPilot(Pilot):
     ) -> None:
         """Begin on a leg."""
         super().__init__(situation, corner, mission)
+        self._active: ActiveCorner | None = None
+        self._slot: Pose | None = None
+        self._problem = ""
         self._planned: CornerEstimate | None = None
         self._done_corner = 0
         self._leg_after_s = -math.inf
         self._problem_corner = 0
 
     @property
-    def mode(self) -> Mode:
-        """What the UAV is being led along."""
-        return Mode.LEG if self.active is None else Mode.CORNER
+    def report(self) -> StrategyReport:
+        """What it tells of itself."""
+        return StrategyReport(
+            mode=Mode.LEG if self._active is None else Mode.CORNER,
+            corner=self._active,
+            slot=self._slot,
+            problem=self._problem,
+        )
 
     def begin(self) -> None:
         """Begin to lead; a corner that is already over is not planned."""
         self.lists.forget()
-        self.problem = ""
+        self._problem = ""
         if self._s.phase is not Phase.DECELERATING:
             self._done_corner = self._s.corners_seen
 
     def end(self) -> None:
         """Stop leading."""
-        if self.active is not None:
-            self._done_corner = self.active.k
-        self.active = None
+        if self._active is not None:
+            self._done_corner = self._active.k
+        self._active = None
 
     def believes(self, leg: LegEstimate) -> bool:
         """Whether a leg is not older than the corner that was flown last."""
@@ -59,7 +67,7 @@ class PaperPilot(Pilot):
 
     def set_clock_back(self) -> None:
         """Forget the corner being flown."""
-        if self.active is not None:
+        if self._active is not None:
             self._leave_corner()
         self._planned = None
         self._leg_after_s = -math.inf
@@ -68,13 +76,13 @@ class PaperPilot(Pilot):
     def update(self, now_s: float) -> Listed | None:
         """Return the mode and the waypoints of a new list when one is due."""
         if self._s.slot is not None and self._slot_is_newer():
-            self.slot = self._s.slot
+            self._slot = self._s.slot
         if self._problem_corner != self._s.corners_seen:
-            self.problem = ""
-        if self.active is not None:
+            self._problem = ""
+        if self._active is not None:
             self._follow_corner(now_s)
         listed = None
-        if self.active is None or not self.active.committed:
+        if self._active is None or not self._active.committed:
             listed = self._corner_list(now_s) or self._leg_list()
         return listed
 
@@ -84,7 +92,7 @@ class PaperPilot(Pilot):
 
     def _follow_corner(self, now_s: float) -> None:
         """Commit to the corner's path when it begins to turn, and leave it when it is flown."""
-        active, uav = self.active, self._s.uav
+        active, uav = self._active, self._s.uav
         assert active is not None
         assert uav is not None
         if not active.committed:
@@ -94,7 +102,7 @@ class PaperPilot(Pilot):
             margin = self._mission.reaction_s * active.uav_speed_mps
             overtaken = self._s.corners_seen > active.k
             if overtaken or active.plan.turn_start_m - active.flown_m(now_s) < margin:
-                self.active = replace(active, committed=True)
+                self._active = replace(active, committed=True)
             return
         end = active.frame.pose_to_map(active.plan.path.end)
         arrived = (
@@ -105,20 +113,20 @@ class PaperPilot(Pilot):
         late = active.flown_m(now_s) > LATE_FACTOR * active.plan.path.length_m + 200.0
         if arrived or late:
             self._leave_corner()
-            if self.slot is None or self._is_old_leg(end):
-                self.slot = end
+            if self._slot is None or self._is_old_leg(end):
+                self._slot = end
 
     def _leave_corner(self) -> None:
-        assert self.active is not None
-        self._done_corner = self.active.k
-        if self.active.committed:
-            self._leg_after_s = self.active.estimate.stop_time_s
-        self.active = None
+        assert self._active is not None
+        self._done_corner = self._active.k
+        if self._active.committed:
+            self._leg_after_s = self._active.estimate.stop_time_s
+        self._active = None
         self.lists.forget()
 
     def _is_old_leg(self, end: Pose) -> bool:
-        assert self.slot is not None
-        return abs(wrap_angle(self.slot.heading_rad - end.heading_rad)) > math.radians(45.0)
+        assert self._slot is not None
+        return abs(wrap_angle(self._slot.heading_rad - end.heading_rad)) > math.radians(45.0)
 
     def _corner_list(self, now_s: float) -> Listed | None:
         """Plan the corner ahead, or plan it again as it is refined."""
@@ -127,25 +135,25 @@ class PaperPilot(Pilot):
             return None
         self._planned = estimate
         self._problem_corner = k
-        again = self.active is not None and self.active.k == k
+        again = self._active is not None and self._active.k == k
         frame = CornerFrame(estimate.stop, self._mission.turn_side)
         corner = self._corner
-        self.problem = unusable(
+        self._problem = unusable(
             estimate, corner.speed_mps, corner.accel_mps2, self._mission
         ) or self._off_slot(frame)
-        if self.problem:
+        if self._problem:
             return None
         try:
             plan = self._plan(estimate, frame, now_s)
         except ValueError as error:
-            self.problem = f"corner {k}: {error}"
+            self._problem = f"corner {k}: {error}"
             return None
         assert self._s.uav is not None
         speed = self._s.uav.speed_mps
-        first_stop = self.active.first_stop if again and self.active else estimate.stop
-        self.active = ActiveCorner(k, estimate, frame, plan, first_stop, speed)
-        begin = self.active.flown_m(now_s) + self._mission.reaction_s * speed
-        return str(plan.rule), self.lists.along(self.active.path, speed, from_m=begin)
+        first_stop = self._active.first_stop if again and self._active else estimate.stop
+        self._active = ActiveCorner(k, estimate, frame, plan, first_stop, speed)
+        begin = self._active.flown_m(now_s) + self._mission.reaction_s * speed
+        return str(plan.rule), self.lists.along(self._active.path, speed, from_m=begin)
 
     def _off_slot(self, frame: CornerFrame) -> str:
         """Return why the UAV is not where the rules take it to be: on the old leg's slot track."""
@@ -170,7 +178,7 @@ class PaperPilot(Pilot):
 
     def _leg_list(self) -> Listed | None:
         """Lead the UAV along the slot track."""
-        if self.active is not None or self.slot is None or self._s.uav is None:
+        if self._active is not None or self._slot is None or self._s.uav is None:
             return None
-        points = self.lists.track(self.slot, self._s.uav)
+        points = self.lists.track(self._slot, self._s.uav)
         return None if points is None else (str(Mode.LEG), points)

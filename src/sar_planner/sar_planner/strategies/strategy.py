@@ -1,9 +1,9 @@
-"""What every planner's pilot has: the situation, both parameter sets, lists, and what it tells."""
+"""What every strategy has: the situation, both parameter sets, lists, and what it tells."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import LegEstimate
@@ -15,14 +15,31 @@ from sar_planner.prediction.situation import Situation
 from sar_planner.strategies.active_corner import ActiveCorner, Mode
 
 
-class Pilot(ABC):
-    """Leads the UAV while it is engaged.
+@dataclass(frozen=True, slots=True)
+class StrategyReport:
+    """What a strategy tells of itself.
 
-    ``active``: the corner being flown. ``problem``: why it cannot do what it should, empty when all
-    is well. ``speed_mps``: the ground speed asked for, None where it is left to the autopilot.
-    ``slot``: the slot track. ``corrections``: how often a path was corrected. ``kept_lag_m``: the
-    lag kept on purpose. ``turns``: the radius that the UAV's paths are planned with.
+    ``mode``: what the UAV is being led along. ``corner``: the one being flown. ``slot``: the slot
+    track. ``speed_mps``: the ground speed asked for, None where it is left to the autopilot;
+    ``course_rad``: on which the UAV will be when that is flown. ``problem``: why it cannot do what
+    it should, empty when all is well. ``efficiency``: the share of its speed that the UAV is
+    expected to make good at corners. ``lag_setpoint_m``: the lag kept on legs on purpose.
+    ``corrections``: how often a path was corrected.
     """
+
+    mode: Mode = Mode.LEG
+    corner: ActiveCorner | None = None
+    slot: Pose | None = None
+    speed_mps: float | None = None
+    course_rad: float = 0.0
+    problem: str = ""
+    efficiency: float = 1.0
+    lag_setpoint_m: float = 0.0
+    corrections: int = 0
+
+
+class Strategy(ABC):
+    """Leads the UAV while it is engaged. ``lists``: makes its lists. ``turns``: its turn radius."""
 
     def __init__(
         self, situation: Situation, corner: CornerParameters, mission: MissionParameters
@@ -32,28 +49,7 @@ class Pilot(ABC):
         self._corner = corner
         self._mission = mission
         self.lists = WaypointLists(corner, mission)
-        self.active: ActiveCorner | None = None
-        self.problem = ""
-        self.speed_mps: float | None = None
-        self.slot: Pose | None = None
-        self.corrections = 0
-        self.kept_lag_m = 0.0
         self.turns = TurnRadius(corner.turn_radius_m, corner.spacing_m)
-
-    @property
-    @abstractmethod
-    def mode(self) -> Mode:
-        """What the UAV is being led along."""
-
-    @property
-    def made_good(self) -> float:
-        """The share of its speed that the UAV is expected to make good at corners."""
-        return 1.0
-
-    @property
-    def course_rad(self) -> float:
-        """The course on which the UAV will be when a speed asked for now is flown."""
-        return 0.0
 
     def _learn_radius(self, *, on_path: bool) -> bool:
         """Plan with the radius that the UAV turns with; return whether it is news.
@@ -68,6 +64,11 @@ class Pilot(ABC):
         if learnt:
             self._corner = replace(self._corner, turn_radius_m=self.turns.radius_m)
         return learnt
+
+    @property
+    @abstractmethod
+    def report(self) -> StrategyReport:
+        """What it tells of itself."""
 
     @abstractmethod
     def begin(self) -> None:

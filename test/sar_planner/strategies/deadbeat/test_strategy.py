@@ -130,12 +130,12 @@ def fly(plan, pose, now):
 
 def test_on_its_way_over_to_a_corrected_path_the_uav_may_be_beside_it():
     plan, begun = corrected_plan()
-    approach = plan._pilot.approach
+    tracked = plan._strategy.state.path
     corrected = []
     for tenth in range(1, 60):
         now = begun + 0.1 * tenth
-        there = approach.path.pose_at(approach.flown_m + 2.0 * tenth).offset(0.0, 25.0)
-        fly(plan, approach.frame.pose_to_map(there), now)
+        there = tracked.path.pose_at(tracked.flown_m + 2.0 * tenth).offset(0.0, 25.0)
+        fly(plan, tracked.frame.pose_to_map(there), now)
         if plan.corrections > 1:
             corrected.append(now - begun)
             break
@@ -145,7 +145,7 @@ def test_on_its_way_over_to_a_corrected_path_the_uav_may_be_beside_it():
 def test_a_clock_set_back_ends_the_settling():
     plan, _ = corrected_plan()
     plan.set_clock_back()
-    assert plan._pilot._corrected_s == -math.inf
+    assert plan._strategy.state.corrected_s == -math.inf
 
 
 def test_new_leg_another_way_is_approached_too():
@@ -161,8 +161,8 @@ def test_new_leg_another_way_is_approached_too():
     plan.set_phase(Phase.ACCELERATING)
     plan.set_helicopter(Motion(118.0, 80.0, 70.0, 0.0, 18.0))
     plan.update(118.0)
-    assert plan._pilot.slot.x_m == pytest.approx(330.0)
-    assert math.degrees(plan._pilot.slot.heading_rad) == pytest.approx(90.0)
+    assert plan.report.slot.x_m == pytest.approx(330.0)
+    assert math.degrees(plan.report.slot.heading_rad) == pytest.approx(90.0)
 
 
 def test_withdrawn_corner_goes_back_to_the_leg():
@@ -266,9 +266,11 @@ def test_a_path_that_ends_beside_the_slot_is_left_when_it_has_been_flown():
     """The helicopter was believed to go on; meanwhile it has turned, and is far away."""
     plan = on_leg(0.0, beside=-300.0)
     assert plan.update(100.0).mode == "rejoin"
-    end = plan._pilot.approach.frame.pose_to_map(plan._pilot.approach.path.end)
-    plan._pilot.approach = replace(plan._pilot.approach, flown_m=plan._pilot.approach.path.length_m)
-    done_s = 100.0 + plan._pilot.approach.path.length_m / plan._pilot.approach.speed_mps
+    state = plan._strategy.state
+    path = state.path
+    end = path.frame.pose_to_map(path.path.end)
+    plan._strategy.state = replace(state, path=replace(path, flown_m=path.path.length_m))
+    done_s = 100.0 + path.path.length_m / path.speed_mps
     plan.set_uav(Motion(done_s, end.x_m, end.y_m, 20.0, 0.0))
     plan.set_leg(leg(done_s, x=80.0, y=-3000.0, heading=-math.pi / 2.0))
     plan.set_helicopter(Motion(done_s, 80.0, -3000.0, 0.0, -20.0))

@@ -1,0 +1,1 @@
+"""The deadbeat strategy: a state machine of legs, corners, rejoining and holding."""

@@ -1,0 +1,143 @@
+"""The path for the corner ahead, planned again as the corner is refined, until the UAV turns."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from sar_estimator.common.pose import Pose
+from sar_estimator.common.states import CornerEstimate, Phase
+from sar_planner.guidance.waypoint_lists import PathListing
+from sar_planner.paths.flight_path import CornerFrame
+from sar_planner.rejoin.tracked_path import TrackedPath, final_lag_m, is_on_track
+from sar_planner.rules.corner_speed import catching_up_mps, hurried_plan, hurries_of
+from sar_planner.rules.paper_rules import CornerPlan, Rule
+from sar_planner.strategies.active_corner import ActiveCorner, measured, unusable
+from sar_planner.strategies.deadbeat.rejoining import start_rejoining
+from sar_planner.strategies.deadbeat.state import Decision, State, Tick
+
+
+def plan_corner(state: State, tick: Tick) -> Decision:
+    """Plan the corner ahead where that is due."""
+    situation, mission, corner = tick.situation, tick.mission, tick.corner
+    estimate, k = situation.estimate, situation.corners_seen
+    if estimate is None or k == state.done_corner or situation.went_on:
+        return Decision(state, goes_on=True)
+    before = state.corner if state.corner is not None and state.corner.k == k else None
+    if estimate is state.planned or (before is not None and before.committed):
+        return Decision(state, goes_on=True)
+    if before is not None and before.estimate.changed_m(estimate) <= mission.corner_tolerance_m:
+        return Decision(state, goes_on=True)
+    reason = unusable(estimate, corner.speed_mps, corner.accel_mps2, mission)
+    problem = f"corner {k}: {reason}" if reason else ""
+    state = replace(state, planned=estimate, corner_problem=problem)
+    if reason:
+        return Decision(replace(state, done_corner=k), goes_on=True)
+    first_stop = estimate.stop if before is None else before.first_stop
+    frame = CornerFrame(estimate.stop, mission.turn_side)
+    planned = _rule_plan(estimate, frame, state, tick)
+    if planned is None:
+        return _from_anywhere(estimate, frame, first_stop, state, tick)
+    plan, speed_up = planned
+    uav = situation.uav
+    assert uav is not None
+    active = ActiveCorner(k, estimate, frame, plan, first_stop, uav.speed_mps)
+    slot = tick.slot_frame
+    path, flown_m = active.path, active.flown_m(tick.now_s)
+    state = replace(state, speed_up=speed_up)
+    speed_mps = path_speed_mps(
+        tick,
+        path.length_m - flown_m,
+        plan.next_lag_m,
+        helicopter_mps=estimate.speed_mps,
+        speed_up=speed_up,
+        share=state.efficiency.now,
+    )
+    tracked = TrackedPath(slot, slot.path_from_map(path), estimate.onset_time_s, speed_mps, flown_m)
+    state = state.on_path(tracked, tick, active)
+    listing = PathListing(str(plan.rule), path, speed_mps, flown_m)
+    return Decision(commit_when_due(state, tick), listing)
+
+
+def _rule_plan(
+    estimate: CornerEstimate, frame: CornerFrame, state: State, tick: Tick
+) -> tuple[CornerPlan, float] | None:
+    """Return the plan and how much faster than V it is flown; None off the slot track."""
+    uav = tick.situation.uav
+    assert uav is not None
+    pose = frame.to_frame(uav.pose)
+    across = pose.y_m + tick.corner.spacing_m
+    if not is_on_track(Pose(pose.x_m, across, pose.heading_rad)):
+        return None
+    parameters, lag_m = measured(estimate, frame, uav, tick.corner)
+    passed_s = tick.now_s - estimate.onset_time_s + tick.mission.reaction_s
+    return hurried_plan(
+        parameters,
+        lag_m,
+        lead_m=uav.speed_mps * max(0.0, passed_s),
+        separations_m=tick.separations_m,
+        hurries=hurries_of(tick.air, estimate.speed_mps, tick.mission.corner_hurry),
+        made_good=state.efficiency.share,
+    )
+
+
+def _from_anywhere(
+    estimate: CornerEstimate, frame: CornerFrame, first_stop: Pose, state: State, tick: Tick
+) -> Decision:
+    """Go straight for the slot of the new leg, from wherever the UAV is."""
+    begun = start_rejoining(state, tick)
+    path, uav = begun.state.path, tick.situation.uav
+    if begun.listing is None or path is None:
+        return begun
+    assert uav is not None
+    assert isinstance(begun.listing, PathListing)
+    parameters, lag_m = measured(estimate, frame, uav, tick.corner)
+    next_lag_m = final_lag_m(
+        path.path,
+        tick.expected.in_frame(path.frame),
+        start_s=path.begun_s,
+        speed_mps=path.speed_mps,
+    )
+    in_corner = frame.path_from_map(path.frame.path_to_map(path.path))
+    plan = CornerPlan(Rule.RJ, lag_m, next_lag_m, in_corner, parameters)
+    k = tick.situation.corners_seen
+    active = ActiveCorner(k, estimate, frame, plan, first_stop, uav.speed_mps, committed=True)
+    problem = begun.state.path_problem
+    state = replace(begun.state.on_path(path, tick, active), path_problem=problem)
+    return Decision(state, replace(begun.listing, mode=str(Rule.RJ)))
+
+
+def commit_when_due(state: State, tick: Tick) -> State:
+    """Commit to the corner's path when the UAV is about to turn, or the corner is over."""
+    active = state.corner
+    assert active is not None
+    margin_m = tick.mission.reaction_s * active.uav_speed_mps
+    overtaken = (
+        tick.situation.corners_seen > active.k or tick.situation.phase is not Phase.DECELERATING
+    )
+    if not (overtaken or active.plan.turn_start_m - active.flown_m(tick.now_s) < margin_m + 1e-6):
+        return state
+    return replace(
+        state,
+        corner=replace(active, committed=True),
+        efficiency=state.efficiency.begun(tick.corner.speed_mps),
+    )
+
+
+def path_speed_mps(
+    tick: Tick,
+    path_m: float,
+    lag_m: float,
+    *,
+    helicopter_mps: float,
+    speed_up: float,
+    share: float,
+) -> float:
+    """Return the speed for a path that leaves a lag, at a helicopter's speed.
+
+    ``speed_up``: of the path, over that; ``share``: what of its speed the UAV makes good.
+    """
+    worth_m = lag_m if lag_m >= tick.mission.lag_tolerance_m else 0.0
+    most_mps = tick.air.speeds_mps(helicopter_mps, tick.mission.speed_trim)[1]
+    return catching_up_mps(
+        path_m, worth_m, helicopter_mps, hurry=speed_up, share=share, most_mps=most_mps
+    )

@@ -1,0 +1,125 @@
+"""A path that no longer fits: what is left of it is solved again from where the UAV will be."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from sar_planner.guidance.waypoint_lists import PathListing
+from sar_planner.paths.flight_path import FlightPath
+from sar_planner.prediction.separation import least_apart_m
+from sar_planner.rejoin.recapture import Recapture, row_of
+from sar_planner.rejoin.tracked_path import TrackedPath, final_lag_m, is_on_track
+from sar_planner.rules.corner_coverage import StripsAt
+from sar_planner.rules.paper_rules import Rule
+from sar_planner.strategies.active_corner import Mode
+from sar_planner.strategies.deadbeat.corner_planning import path_speed_mps
+from sar_planner.strategies.deadbeat.rejoining import RETRY_S, rejoin_plan, take
+from sar_planner.strategies.deadbeat.state import (
+    MARGIN_SHARE,
+    OFF_PATH_M,
+    Decision,
+    State,
+    Tick,
+)
+
+CORRECTED_SHARE = 0.6  # of the margin: what a corrected path is to have of it
+WIDER_M = 5.0
+LONGER_SPACINGS = 1.0
+
+
+def correct(state: State, tick: Tick, off_m: float, held_lag_m: float) -> Decision:
+    """Solve what is left of a path again.
+
+    ``off_m``: how far the UAV is beside it. ``held_lag_m``: that it leaves, infinite where it is
+    not safe: a new path must not be much worse.
+    """
+    old = state.path
+    assert old is not None
+    frame, now_s = tick.slot_frame, tick.now_s
+    run_m = old.speed_mps * state.share * tick.mission.reaction_s
+    from_m = min(old.flown_m + run_m, old.path.length_m)
+    kept = old.path.cut(min(old.flown_m, old.path.length_m), from_m)
+    begin = old.path.pose_at(from_m)
+    if off_m >= OFF_PATH_M:
+        begin = old.carried_on(tick.uav_in(old.frame), from_m)
+        kept = FlightPath(begin, ())
+    speed_mps = tick.expected.speed_mps
+    search = Recapture(
+        frame.to_frame(old.frame.pose_to_map(begin)),
+        now_s + tick.mission.reaction_s,
+        tick.forecasts_in(frame),
+        tick.corner.turn_radius_m,
+        state.speed_up * speed_mps * state.share,
+        tick.corner.separation_m,
+        old.path.length_m - from_m + LONGER_SPACINGS * tick.corner.spacing_m,
+        _strips(state, tick),
+    )
+    least_m = tick.corner.separation_m + MARGIN_SHARE * tick.margin_m
+    wanted_m = tick.corner.separation_m + CORRECTED_SHARE * tick.margin_m
+    path = search.best(row_of(old.path.cut(from_m)), wanted_m, least_m)
+    if path is None:
+        return _widest(search, state, tick)
+    state = replace(state, retry_s=now_s + tick.mission.correction_s)
+    lag_m = final_lag_m(
+        path, search.forecasts[0], start_s=search.start_s, speed_mps=search.speed_mps
+    )
+    if off_m < OFF_PATH_M and abs(lag_m) > held_lag_m + tick.corner.spacing_m:
+        return Decision(state)
+    whole = frame.path_from_map(old.frame.path_to_map(kept)).then(path)
+    begun_s = now_s if kept.segments else now_s + tick.mission.reaction_s
+    new_mps = path_speed_mps(
+        tick,
+        path.length_m,
+        lag_m,
+        helicopter_mps=speed_mps,
+        speed_up=state.speed_up,
+        share=state.share,
+    )
+    state = replace(
+        state.on_path(TrackedPath(frame, whole, begun_s, new_mps), tick),
+        corrections=state.corrections + 1,
+        corrected_s=now_s,
+        efficiency=state.efficiency.moved(),
+    )
+    name = str(Mode.REJOIN) if state.corner is None else str(state.corner.plan.rule)
+    return Decision(state, PathListing(name, frame.path_to_map(whole), new_mps))
+
+
+def _strips(state: State, tick: Tick) -> StripsAt | None:
+    """Return the UAV's strips about the corner that is flown; None where none is."""
+    estimate = tick.situation.estimate
+    if state.corner is None or state.corner.plan.rule is Rule.RJ or estimate is None:
+        return None
+    return StripsAt(tick.corner.spacing_m, tick.slot_frame.to_frame(estimate.stop).x_m)
+
+
+def _widest(search: Recapture, state: State, tick: Tick) -> Decision:
+    """No path that meets the slot in time keeps the separation: get back, or stay away."""
+    old = state.path
+    assert old is not None
+    frame, now_s = tick.slot_frame, tick.now_s
+    state = replace(state, retry_s=now_s + RETRY_S)
+    rest = old.path.cut(min(old.flown_m, old.path.length_m))
+    kept_m = least_apart_m(
+        rest,
+        tick.forecasts_in(old.frame),
+        start_s=now_s,
+        speed_mps=old.speed_mps * state.share,
+    )
+    safe = kept_m >= tick.corner.separation_m
+    if safe and is_on_track(old.end_in(frame)):
+        return Decision(state)
+    plan = rejoin_plan(state, tick)
+    if plan is not None and plan.kept:
+        return take(plan, state, tick)
+    if safe:
+        return Decision(state)
+    widest = search.widest()
+    listing = None
+    if widest is not None and widest[1] > kept_m + WIDER_M:
+        path, kept_m = widest
+        tracked = TrackedPath(frame, path, search.start_s, tick.expected.speed_mps)
+        state = state.on_path(tracked, tick)
+        listing = PathListing(str(Mode.REJOIN), frame.path_to_map(path), tracked.speed_mps)
+    problem = f"no safe path: comes within {kept_m:.0f} m of the helicopter"
+    return Decision(replace(state, path_problem=problem), listing)

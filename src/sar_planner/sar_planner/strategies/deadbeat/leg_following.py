@@ -1,0 +1,54 @@
+"""On a leg: beside the helicopter by speed, back to the slot, or out of the way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from sar_planner.guidance.speed_control import trimmed_mps
+from sar_planner.guidance.waypoint_lists import HoldListing, SlotListing
+from sar_planner.strategies.active_corner import Mode
+from sar_planner.strategies.deadbeat.rejoining import start_rejoining
+from sar_planner.strategies.deadbeat.state import Decision, State, Tick
+
+
+def follow_leg(state: State, tick: Tick) -> Decision:
+    """Lead the UAV along its slot track and trim its speed, or back to it."""
+    expected, mission = tick.expected, tick.mission
+    frame = tick.slot_frame
+    lag_m = expected.in_frame(frame).slot_x_m(tick.now_s) - tick.uav_in(frame).x_m
+    on_slot = tick.on_slot()
+    if (not on_slot or lag_m < -mission.ahead_m) and tick.now_s >= state.retry_s:
+        return start_rejoining(state, tick)
+    if not on_slot:
+        return Decision(state)
+    assert state.slot is not None
+    speed_mps = trimmed_mps(
+        lag_m - state.lag_setpoint_m,
+        expected.speed_mps,
+        off_mps=mission.trim_follow * expected.faster_mps(tick.situation.helicopter),
+        gain=mission.trim_gain,
+        trim=mission.speed_trim,
+    )
+    return Decision(
+        replace(state, speed_mps=speed_mps, led_s=tick.now_s),
+        SlotListing(str(Mode.LEG), state.slot),
+    )
+
+
+def unfit_speed(tick: Tick) -> str:
+    """Return why the helicopter is too slow or too fast to be followed, empty when it is not."""
+    slow, fast = (limit * tick.corner.speed_mps for limit in tick.mission.speed_range)
+    speed_mps = tick.expected.speed_mps
+    if slow <= speed_mps <= fast:
+        return ""
+    return f"helicopter's speed {speed_mps:.1f} m/s: expected {slow:.1f} to {fast:.1f}"
+
+
+def hold(state: State, tick: Tick, reason: str) -> Decision:
+    """Keep out of the way: the list ends ahead, where the bridge lets the UAV circle."""
+    state = replace(state, problem=f"holding: {reason}")
+    uav = tick.situation.uav
+    if state.mode is Mode.HOLD or uav is None:
+        return Decision(state)
+    held = replace(state.without_path(Mode.HOLD), path_problem="")
+    return Decision(held, HoldListing(str(Mode.HOLD), uav.pose))

@@ -1,0 +1,67 @@
+"""From anywhere onto the slot."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from sar_estimator.common.pose import Pose
+from sar_planner.guidance.waypoint_lists import PathListing
+from sar_planner.paths.flight_path import CornerFrame
+from sar_planner.rejoin.rejoin import RejoinPlan, RejoinTask, rejoin
+from sar_planner.rejoin.tracked_path import TrackedPath
+from sar_planner.strategies.active_corner import Mode
+from sar_planner.strategies.deadbeat.state import Decision, State, Tick
+
+RETRY_S = 2.0
+
+
+def start_rejoining(state: State, tick: Tick) -> Decision:
+    """Lead the UAV from anywhere onto the slot, at a speed of its own."""
+    state = replace(state, retry_s=tick.now_s + RETRY_S)
+    plan = rejoin_plan(state, tick)
+    if plan is None:
+        return Decision(replace(state, problem="no path back to the slot"), goes_on=True)
+    taken = take(plan, state, tick)
+    if plan.closest_m >= tick.corner.separation_m:
+        return taken
+    problem = f"rejoining comes within {plan.closest_m:.0f} m of the helicopter"
+    return replace(taken, state=replace(taken.state, path_problem=problem))
+
+
+def rejoin_plan(state: State, tick: Tick) -> RejoinPlan | None:
+    """Return the way back: with the whole margin where there is one, else what keeps more apart."""
+    slowest, fastest = tick.speeds_mps
+    wide, _, least = tick.separations_m
+    task = RejoinTask(
+        _ahead(state, tick, tick.slot_frame),
+        tick.now_s + tick.mission.reaction_s,
+        tick.forecasts_in(tick.slot_frame),
+        tick.corner.turn_radius_m,
+        slowest,
+        fastest,
+        wide,
+    )
+    plan = rejoin(task)
+    if plan is None or plan.kept:
+        return plan
+    narrow = rejoin(replace(task, separation_m=least))
+    return plan if narrow is None or narrow.closest_m < plan.closest_m else narrow
+
+
+def take(plan: RejoinPlan, state: State, tick: Tick) -> Decision:
+    """Fly a way back from now on; of the corner that it ends nothing is learnt."""
+    start_s = tick.now_s + tick.mission.reaction_s
+    path = TrackedPath(tick.slot_frame, plan.path, start_s, plan.speed_mps)
+    state = replace(state.on_path(path, tick), efficiency=state.efficiency.cancelled())
+    listing = PathListing(str(Mode.REJOIN), path.frame.path_to_map(plan.path), path.speed_mps)
+    return Decision(state, listing)
+
+
+def _ahead(state: State, tick: Tick, frame: CornerFrame) -> Pose:
+    """Return where the UAV will be, in a frame, when a list made now is flown."""
+    path, reaction_s = state.path, tick.mission.reaction_s
+    if path is None:
+        return tick.uav_in(frame, reaction_s)
+    run_m = path.speed_mps * state.share * reaction_s
+    ahead = path.carried_on(tick.uav_in(path.frame), path.flown_m + run_m)
+    return frame.to_frame(path.frame.pose_to_map(ahead))

@@ -1,0 +1,197 @@
+"""The deadbeat strategy's state, what every decision is taken from, and what comes of one.
+
+Activities are functions of a ``State`` and a ``Tick``. They return a ``Decision``; what follows
+another activity in the same tick takes the state that it left. Nothing in them is assigned.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from sar_estimator.common.pose import Pose
+from sar_estimator.common.states import CornerEstimate
+from sar_planner.guidance.path_efficiency import PathEfficiency
+from sar_planner.guidance.waypoint_lists import Listing
+from sar_planner.guidance.wind_triangle import AirEnvelope
+from sar_planner.parameters.corner import CornerParameters
+from sar_planner.parameters.mission import MissionParameters
+from sar_planner.paths.flight_path import CornerFrame
+from sar_planner.prediction.forecast import Forecast
+from sar_planner.prediction.situation import Situation
+from sar_planner.rejoin.tracked_path import TrackedPath, is_on_track
+from sar_planner.rules.deadbeat_rules import DeadbeatRules
+from sar_planner.rules.paper_rules import Rule
+from sar_planner.strategies.active_corner import ActiveCorner, Mode
+
+MARGIN_SHARE = 0.4  # of the margin: what a path that is flown may have lost of it
+POOR_SHARE = 0.85  # of its speed made good, below which a UAV needs a lag to begin a corner with
+OFF_PATH_M = 20.0  # beside its path, beyond which a UAV is not on it
+WATCH_S = 0.39  # between two looks: two decisions at 5 Hz, whatever their times round to
+DETECTION_S = 4.0  # from a corner's onset to its detection, as a rule
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """Everything that the strategy remembers from one decision to the next.
+
+    ``mode``: LEG, CORNER, REJOIN or HOLD. ``corner``: the corner being flown, in CORNER only.
+    ``path``: the path being flown, in CORNER and REJOIN. ``slot``: the slot track now.
+    ``speed_mps``: the ground speed asked for, None where it is left to the autopilot.
+    ``speed_up``: of the path, over V. ``lag_setpoint_m``: kept on legs. ``planned``: the estimate
+    that a corner was planned from last; ``done_corner``: the last one that needs no plan any more.
+    ``went_on``: the corner that was foretold was none. ``planned_radius_m``: of turns of the path.
+    ``followed_s``, ``led_s``: when a path, a leg was looked at last; ``corrected_s``: when a path
+    was corrected last; ``retry_s``: before which none is. ``problem``: of the last decision;
+    ``path_problem``, ``corner_problem``: as long as path or corner are flown.
+    Raises ``ValueError`` for a mode without what it needs, or with what it has no use for.
+    """
+
+    efficiency: PathEfficiency
+    mode: Mode = Mode.LEG
+    corner: ActiveCorner | None = None
+    path: TrackedPath | None = None
+    slot: Pose | None = None
+    speed_mps: float | None = None
+    speed_up: float = 1.0
+    lag_setpoint_m: float = 0.0
+    planned_radius_m: float = 0.0
+    planned: CornerEstimate | None = None
+    done_corner: int = 0
+    went_on: bool = False
+    corrections: int = 0
+    retry_s: float = -math.inf
+    followed_s: float = -math.inf
+    corrected_s: float = -math.inf
+    led_s: float = -math.inf
+    problem: str = ""
+    path_problem: str = ""
+    corner_problem: str = ""
+
+    def __post_init__(self) -> None:
+        """Check that the mode has what it needs."""
+        expected = {
+            Mode.LEG: (False, False),
+            Mode.HOLD: (False, False),
+            Mode.REJOIN: (False, True),
+            Mode.CORNER: (True, True),
+        }
+        has = self.corner is not None, self.path is not None
+        if expected.get(self.mode) != has:
+            raise ValueError(f"{self.mode}: corner and path are {has}")
+
+    @property
+    def share(self) -> float:
+        """What is made good of the UAV's speed on the path being flown; rejoining, all of it."""
+        by_rule = self.corner is not None and self.corner.plan.rule is not Rule.RJ
+        return self.efficiency.now if by_rule else 1.0
+
+    def without_path(self, mode: Mode) -> State:
+        """Return the state in a mode that flies no path; a corner that was flown is done."""
+        done = self.done_corner if self.corner is None else self.corner.k
+        return replace(self, mode=mode, corner=None, path=None, done_corner=done)
+
+    def on_path(self, path: TrackedPath, tick: Tick, corner: ActiveCorner | None = None) -> State:
+        """Return the state with another path from now on.
+
+        Of ``corner``, or of the one that is flown; rejoining where there is none.
+        """
+        corner = self.corner if corner is None else corner
+        return replace(
+            self,
+            mode=Mode.REJOIN if corner is None else Mode.CORNER,
+            corner=corner,
+            path=path,
+            speed_mps=path.speed_mps,
+            planned_radius_m=tick.corner.turn_radius_m,
+            followed_s=tick.now_s,
+            path_problem="",
+        )
+
+    def left(self, tick: Tick) -> State:
+        """Return the state once a path is flown, or no longer wanted: on the leg."""
+        leg = replace(self.without_path(Mode.LEG), speed_up=1.0, path_problem="")
+        if self.corner is None or not self.corner.committed:
+            return leg
+        efficiency = self.efficiency.learnt()
+        lag_m = tick.lag_setpoint_m(efficiency.share)
+        return replace(leg, efficiency=efficiency, lag_setpoint_m=lag_m)
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """What a decision is taken from, all of it at ``now_s``.
+
+    ``forecasts``: the motion that is expected of the helicopter, then others that must be kept
+    apart from too; none while its leg is not known. ``corner``: with the radius that was learnt.
+    """
+
+    now_s: float
+    situation: Situation
+    forecasts: tuple[Forecast, ...]
+    corner: CornerParameters
+    mission: MissionParameters
+    air: AirEnvelope
+
+    @property
+    def expected(self) -> Forecast:
+        """The motion that is expected of the helicopter."""
+        return self.forecasts[0]
+
+    @property
+    def slot_frame(self) -> CornerFrame:
+        """The frame of the slot track of the leg that is expected in the end."""
+        return self.situation.slot_frame(self.expected.leg)
+
+    @property
+    def margin_m(self) -> float:
+        """What is planned beyond the least separation [m]."""
+        return self.situation.margin_m(self.mission)
+
+    @property
+    def separations_m(self) -> tuple[float, float, float]:
+        """The separations to plan with, the most wanted one first."""
+        least = self.corner.separation_m
+        return least + self.margin_m, least + MARGIN_SHARE * self.margin_m, least
+
+    @property
+    def speeds_mps(self) -> tuple[float, float]:
+        """The slowest and the fastest ground speed of a path."""
+        return self.air.speeds_mps(self.expected.speed_mps, self.mission.speed_trim)
+
+    def forecasts_in(self, frame: CornerFrame) -> tuple[Forecast, ...]:
+        """Return all forecasts in a frame."""
+        return tuple(forecast.in_frame(frame) for forecast in self.forecasts)
+
+    def uav_in(self, frame: CornerFrame, after_s: float = 0.0) -> Pose:
+        """Return the UAV's pose in a frame, ``after_s`` [s] from now."""
+        uav = self.situation.uav
+        assert uav is not None
+        return frame.to_frame(uav.pose.offset(uav.speed_mps * (self.now_s + after_s - uav.time_s)))
+
+    def lag_setpoint_m(self, share: float) -> float:
+        """Return the lag [m] for legs of a UAV that makes a share of its speed good at corners.
+
+        0 where that is most of it; where not, a corner that is seen late cannot be flown without.
+        """
+        if share >= POOR_SHARE:
+            return 0.0
+        lead_m = self.corner.speed_mps * (DETECTION_S + self.mission.reaction_s)
+        rules = DeadbeatRules(self.corner, made_good=share)
+        return rules.least_lag_m(lead_m=lead_m, separation_m=self.corner.separation_m)
+
+    def on_slot(self) -> bool:
+        """Whether the UAV is about on the slot track."""
+        return is_on_track(self.uav_in(self.slot_frame))
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What comes of an activity: the state it leaves, and what is to be listed, if anything.
+
+    ``goes_on``: the activity had nothing to decide; the next one does.
+    """
+
+    state: State
+    listing: Listing | None = None
+    goes_on: bool = False

@@ -1,0 +1,147 @@
+"""The closed loop in flight: deadbeat rules, corrections inside the corner, rejoining, speed trim.
+
+Whatever the UAV does off its slot track is a path onto the slot that the helicopter's motion to
+come defines. At a corner the deadbeat rules choose it; from anywhere else ``rejoin`` does. While it
+is flown it is looked at with every decision: where will it end, and will it stay apart? When that
+is no longer as wanted, what is left of it is solved again from where the UAV really is.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from sar_estimator.common.states import LegEstimate, Phase
+from sar_planner.guidance.path_efficiency import PathEfficiency
+from sar_planner.guidance.waypoint_lists import Listed
+from sar_planner.parameters.corner import CornerParameters
+from sar_planner.parameters.mission import MissionParameters
+from sar_planner.prediction.situation import Situation
+from sar_planner.strategies.active_corner import Mode
+from sar_planner.strategies.deadbeat.corner_planning import commit_when_due, plan_corner
+from sar_planner.strategies.deadbeat.leg_following import follow_leg, hold, unfit_speed
+from sar_planner.strategies.deadbeat.path_following import follow_path
+from sar_planner.strategies.deadbeat.state import WATCH_S, Decision, State, Tick
+from sar_planner.strategies.strategy import Strategy, StrategyReport
+
+
+class DeadbeatStrategy(Strategy):
+    """Slot track with speed trim on legs, paths everywhere else.
+
+    ``state``: the one thing that changes; only this class assigns it.
+    """
+
+    def __init__(
+        self, situation: Situation, corner: CornerParameters, mission: MissionParameters
+    ) -> None:
+        """Begin on a leg."""
+        super().__init__(situation, corner, mission)
+        self.state = State(PathEfficiency(mission.bias_gain))
+
+    @property
+    def report(self) -> StrategyReport:
+        """What is told of the state."""
+        state = self.state
+        notes = (state.problem, state.path_problem, state.corner_problem)
+        return StrategyReport(
+            mode=state.mode,
+            corner=state.corner,
+            slot=state.slot,
+            speed_mps=state.speed_mps,
+            course_rad=self._course_rad,
+            problem="; ".join(note for note in notes if note),
+            efficiency=state.efficiency.share,
+            lag_setpoint_m=state.lag_setpoint_m,
+            corrections=state.corrections,
+        )
+
+    @property
+    def _course_rad(self) -> float:
+        """The course on which the UAV will be when a speed asked for now is flown."""
+        path, slot = self.state.path, self.state.slot
+        if path is None:
+            return 0.0 if slot is None else slot.heading_rad
+        ahead_m = path.flown_m + self._mission.speed_lead_s * path.speed_mps
+        there = path.path.pose_at(min(max(ahead_m, 0.0), path.path.length_m))
+        return path.frame.pose_to_map(there).heading_rad
+
+    def begin(self) -> None:
+        """Begin to lead; a corner that is already over is not planned."""
+        self.lists.forget()
+        state = replace(self.state, led_s=-math.inf, problem="")
+        if state.mode is Mode.HOLD:
+            state = state.without_path(Mode.LEG)
+        if self._s.phase is not Phase.DECELERATING:
+            state = replace(state, done_corner=self._s.corners_seen)
+        self.state = state
+
+    def end(self) -> None:
+        """Stop leading."""
+        self.state = replace(self.state.without_path(Mode.LEG), speed_mps=None)
+
+    def believes(self, leg: LegEstimate) -> bool:
+        """Whether a leg is not older than the last stop."""
+        estimate = self._s.estimate
+        return estimate is None or self._s.went_on or leg.time_s >= estimate.stop_time_s
+
+    def set_clock_back(self) -> None:
+        """Forget the path being flown."""
+        self.lists.forget()
+        mode = Mode.HOLD if self.state.mode is Mode.HOLD else Mode.LEG
+        self.state = replace(
+            self.state.without_path(mode),
+            planned=None,
+            retry_s=-math.inf,
+            corrected_s=-math.inf,
+            done_corner=self._s.corners_seen,
+        )
+
+    def update(self, now_s: float) -> Listed | None:
+        """Return the mode and the waypoints of a new list when one is due."""
+        state = self.state
+        if self._s.phase is Phase.CRUISE and state.led_s <= now_s < state.led_s + WATCH_S:
+            return None  # it keeps its place on a leg, looked at a moment ago: what was said stands
+        if self._learn_radius(on_path=state.path is not None):
+            # What wide turns cost in this corner is no bias of the next.
+            state = replace(state, efficiency=state.efficiency.cancelled())
+        tick = Tick(
+            now_s,
+            self._s,
+            self._s.forecasts(now_s),
+            self._corner,
+            self._mission,
+            self.lists.air,
+        )
+        decision = decide(replace(state, problem=""), tick)
+        self.state = decision.state
+        if decision.listing is None or self._s.uav is None:
+            return None
+        return self.lists.make(decision.listing, self._s.uav)
+
+
+def decide(state: State, tick: Tick) -> Decision:
+    """Return what is to be done: the corner ahead first, then the path, then the leg."""
+    situation = tick.situation
+    given_up = situation.went_on and not state.went_on
+    state = replace(state, led_s=-math.inf, went_on=situation.went_on)
+    if not tick.forecasts:
+        problem = "helicopter's leg not known: the UAV stays on its list"
+        return Decision(replace(state, problem=problem))
+    if state.path is not None and situation.went_on:
+        # The corner was none: a UAV that is still on its leg, or has not turned, stays there.
+        begun = state.corner is None or state.corner.committed
+        if not begun or (given_up and tick.on_slot()):
+            state = state.left(tick)
+    state = replace(state, slot=situation.slot_of(tick.expected.leg))
+    planned = plan_corner(state, tick)
+    if not planned.goes_on:
+        return planned
+    state = planned.state
+    if state.corner is not None and not state.corner.committed:
+        return Decision(commit_when_due(state, tick))
+    unfit = unfit_speed(tick)
+    if unfit:
+        return hold(state, tick, unfit)
+    if state.mode is Mode.HOLD:
+        state = state.without_path(Mode.LEG)
+    return follow_leg(state, tick) if state.path is None else follow_path(state, tick)
