@@ -8,22 +8,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sar_estimator.common import topics
 from sar_estimator.common.pose import Pose
+from sar_estimator.common.reports import MonitorReport, UavStatus
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
-from sar_planner.conversions import (
-    corner_record,
-    decision_outputs,
-    planner_diagnostics,
-    status_outputs,
-)
-from sar_planner.mission_planner import (
-    MissionParameters,
-    MissionPlanner,
-    Mode,
-    MonitorStatus,
-    UavStatus,
-)
+from sar_estimator.common.wires import WIRES
+from sar_planner.component import PlannerComponent, corner_record
+from sar_planner.mission_planner import MissionPlanner
 from sar_planner.parameters.corner import CornerParameters, ParameterError
+from sar_planner.parameters.mission import MissionParameters
+from sar_planner.strategies.active_corner import Mode
 
 FLYING = UavStatus("AUTO", armed=True, connected=True)
 
@@ -295,14 +289,14 @@ def advance(plan, now):
 def test_nothing_is_planned_while_the_monitor_leads_the_uav_away(rules):
     plan = on_leg(0.0, rules=rules)
     assert plan.update(100.0) is not None
-    plan.set_monitor(MonitorStatus(escaping=True, reason="sent away: 80 m"))
+    plan.set_monitor(MonitorReport("escape", reason="sent away: 80 m"))
     assert plan.update(100.5) is None
     assert plan.problem == "monitor: sent away: 80 m"
     assert plan.engaged
     plan.set_uav(Motion(110.0, 100.0, -900.0, 0.0, -20.0))
     advance(plan, 110.0)
     assert plan.update(110.0) is None
-    plan.set_monitor(MonitorStatus())
+    plan.set_monitor(MonitorReport())
     listed = plan.update(110.1)
     assert listed is not None  # from where the UAV is now
     assert np.hypot(*(listed.points[0] - (100.0, -900.0))) < 2000.0
@@ -312,7 +306,7 @@ def test_nothing_is_planned_while_the_monitor_leads_the_uav_away(rules):
 def test_a_refused_leg_is_listed_again_after_a_while():
     plan = on_leg(0.0, rules="deadbeat")
     first = plan.update(100.0)
-    refused = MonitorStatus(reason="list refused: 80 m", refused_id=first.list_id)
+    refused = MonitorReport(reason="list refused: 80 m", refused_id=first.list_id)
     plan.set_monitor(refused)
     again = plan.update(100.1)
     assert again is not None
@@ -321,7 +315,7 @@ def test_a_refused_leg_is_listed_again_after_a_while():
     assert plan.update(100.2) is None
     assert plan.update(102.0) is None
     assert plan.update(102.2) is not None
-    plan.set_monitor(MonitorStatus())
+    plan.set_monitor(MonitorReport())
     assert plan.update(102.3) is None
     assert plan.problem == ""
 
@@ -421,12 +415,19 @@ def test_nonsense_in_flight_is_told_and_survived():
 EVENTS = ("leg", "corner", "refine", "phase", "uav", "engage", "disengage", "human", "back", "wait")
 
 
+def can_be_told(component, now):
+    for topic, value in [*component.report(now), (topics.DIAGNOSTICS, component.health(now))]:
+        WIRES[topic].to_message(value, now)
+
+
 @pytest.mark.parametrize("rules", ["paper", "deadbeat"])
 @settings(max_examples=60, deadline=None)
 @given(events=st.lists(st.tuples(st.sampled_from(EVENTS), st.integers(0, 1000)), max_size=60))
-def test_any_order_of_events_keeps_the_planner_sound(rules, events):  # noqa: C901
+def test_any_order_of_events_keeps_the_planner_sound(rules, events):  # noqa: C901, PLR0912
     """Every mode meets every event: nothing raises, and lists are finite, numbered, and ahead."""
     plan = on_leg(200.0, rules=rules)
+    told = PlannerComponent(CornerParameters(), MissionParameters())
+    told.planner = plan
     now, number = 100.0, 0
     for event, value in events:
         now += 0.3
@@ -451,9 +452,9 @@ def test_any_order_of_events_keeps_the_planner_sound(rules, events):  # noqa: C9
             plan.set_status(FLYING)
         plan.set_helicopter(Motion(now, 6.0, 0.0, 20.0, 0.0))
         listed = plan.update(now)
-        decision_outputs(plan, listed)
-        status_outputs(plan)
-        planner_diagnostics(plan, now)
+        if listed is not None and plan.active is not None:
+            assert corner_record(plan.active, listed)["k"] == plan.active.k
+        can_be_told(told, now)
         if plan.engaged:
             assert (plan.mode is Mode.CORNER) == (plan.active is not None)
         assert plan.speed_mps is None or 10.0 < plan.speed_mps < 30.0

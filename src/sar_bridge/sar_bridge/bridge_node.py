@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 import threading
@@ -10,13 +9,12 @@ import time
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Vector3Stamped
-from nav_msgs.msg import Odometry, Path
+from nav_msgs.msg import Path
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock as ClockMessage
 from sensor_msgs.msg import NavSatFix
-from std_msgs.msg import Float64, String
+from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
 from sar_bridge.mavlink.link import Link
@@ -24,30 +22,28 @@ from sar_bridge.mavlink.signing import Signer
 from sar_bridge.session.liveness import Liveness
 from sar_bridge.session.session import AutopilotSession
 from sar_estimator.common import topics
-from sar_estimator.common.conversions import (
-    diagnostics,
-    from_stamp,
-    list_id_of,
-    motion_to_odometry,
-    path_climb_m,
-    path_to_points,
-    text_message,
-    to_quaternion,
-    to_stamp,
-    vector_message,
-)
+from sar_estimator.common.component_node import QUALITIES
+from sar_estimator.common.conversions import motion_to_odometry, to_quaternion, to_stamp
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.node_support import (
-    LATCHED,
     RELIABLE,
     now_s,
     parameter,
     report_each_second,
     run_node,
 )
-from sar_estimator.common.states import FloatArray
+from sar_estimator.common.reports import Health, UavStatus, Uploaded, WaypointList
+from sar_estimator.common.wires import WIRES
 
 TICK_S = 0.05
+OUTPUTS = (
+    topics.UAV_ODOMETRY,
+    topics.UAV_STATE,
+    topics.UPLOADED,
+    topics.AUTOPILOT,
+    topics.WIND,
+    topics.DIAGNOSTICS,
+)
 WATCHED = ("planner", "monitor")
 
 
@@ -71,25 +67,32 @@ class BridgeNode(Node):
         self._link = Link(url, signer=Signer(key, time.time()) if key else None)
         self._lock = threading.RLock()
         self._datum: Datum | None = None
-        self._told_state = ""
+        self._told_state: UavStatus | None = None
         self._told_boot_s = 0.0
         self._told_upload: object = None
         self._running = True
         self._started_s = 0.0
-        self._early_list: tuple[Path, FloatArray] | None = None
-        self._odometry = self.create_publisher(Odometry, topics.UAV_ODOMETRY, RELIABLE)
-        self._uav_clock = self.create_publisher(ClockMessage, topics.UAV_CLOCK, RELIABLE)
-        self._state = self.create_publisher(String, topics.UAV_STATE, LATCHED)
-        self._uploaded = self.create_publisher(String, topics.UPLOADED, RELIABLE)
-        self._autopilot = self.create_publisher(String, topics.AUTOPILOT, LATCHED)
-        self._wind = self.create_publisher(Vector3Stamped, topics.WIND, RELIABLE)
-        self._told_autopilot = ""
-        self._diagnostics = self.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, RELIABLE)
-        self.create_subscription(Path, topics.CLEARED, self._on_list, LATCHED)
-        self.create_subscription(DiagnosticArray, topics.DIAGNOSTICS, self._on_alive, RELIABLE)
-        self.create_subscription(Float64, topics.SPEED, self._on_speed, LATCHED)
-        self.create_subscription(NavSatFix, topics.DATUM, self._on_datum, LATCHED)
-        self.create_service(Trigger, topics.RETURN_HOME, self._on_return_home)
+        self._early_list: WaypointList | None = None
+        self._senders = {
+            topic: self.create_publisher(
+                WIRES[topic].kind, topics.name_of(topic), QUALITIES[WIRES[topic].quality]
+            )
+            for topic in OUTPUTS
+        }
+        self._uav_clock = self.create_publisher(
+            ClockMessage, topics.name_of(topics.UAV_CLOCK), RELIABLE
+        )
+        self._told_autopilot: dict[str, float] = {}
+        for topic, callback in (
+            (topics.CLEARED, self._on_list),
+            (topics.DIAGNOSTICS, self._on_alive),
+            (topics.SPEED, self._on_speed),
+            (topics.DATUM, self._on_datum),
+        ):
+            quality = QUALITIES[WIRES[topic].quality]
+            self.create_subscription(WIRES[topic].kind, topics.name_of(topic), callback, quality)
+        home = topics.name_of(topics.RETURN_HOME)
+        self.create_service(Trigger, home, self._on_return_home)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(TICK_S, self._on_tick, clock=wall)
         report_each_second(self, self._on_diagnostics)
@@ -125,12 +128,11 @@ class BridgeNode(Node):
         uploaded = self._session.uploaded
         if uploaded is not self._told_upload and uploaded is not None and self._running:
             self._told_upload = uploaded
-            values = {
-                "list_id": uploaded.list_id,
-                "waypoints": uploaded.items,
-                "upload_ms": round(1e3 * uploaded.duration_s, 1),
-            }
-            self._uploaded.publish(text_message(json.dumps(values)))
+            upload_ms = round(1e3 * uploaded.duration_s, 1)
+            self._publish(topics.UPLOADED, Uploaded(uploaded.list_id, uploaded.items, upload_ms))
+
+    def _publish(self, topic: str, value: object) -> None:
+        self._senders[topic].publish(WIRES[topic].to_message(value, now_s(self)))
 
     def _publish_odometry(self) -> None:
         telemetry = self._session.state.telemetry
@@ -142,42 +144,41 @@ class BridgeNode(Node):
             telemetry.yaw_rad, telemetry.pitch_rad, telemetry.roll_rad
         )
         message.twist.twist.linear.z = telemetry.climb_mps
-        self._odometry.publish(message)
+        self._senders[topics.UAV_ODOMETRY].publish(message)
 
     def _on_datum(self, message: NavSatFix) -> None:
         try:
-            datum = Datum(message.latitude, message.longitude, message.altitude)
+            datum = WIRES[topics.DATUM].from_message(message)
         except ValueError as error:
             self.get_logger().error(str(error))
             return
         with self._lock:
             self._datum = datum
             if self._early_list is not None:
-                self._take_list(*self._early_list, datum)
+                self._take_list(self._early_list, datum)
 
     def _on_list(self, message: Path) -> None:
-        points = path_to_points(message)
-        if not (np.isfinite(points).all() and math.isfinite(path_climb_m(message))):
+        waypoints = WIRES[topics.CLEARED].from_message(message)
+        if not (np.isfinite(waypoints.points).all() and math.isfinite(waypoints.climb_m)):
             self.get_logger().error("waypoint list with a position that is no number: refused")
             return
         with self._lock:
             if self._datum is None:
-                self._early_list = message, points
+                self._early_list = waypoints
             else:
-                self._take_list(message, points, self._datum)
+                self._take_list(waypoints, self._datum)
 
-    def _take_list(self, message: Path, points: FloatArray, datum: Datum) -> None:
+    def _take_list(self, waypoints: WaypointList, datum: Datum) -> None:
         """Upload a list; one from before this node's start never changes the mode."""
         self._early_list = None
-        stamp = from_stamp(message.header.stamp)
         self._link.send(
             self._session.set_list(
-                points,
-                list_id_of(message),
+                waypoints.points,
+                waypoints.list_id,
                 datum,
                 time.monotonic(),
-                climb_m=path_climb_m(message),
-                may_engage=0.0 < self._started_s <= stamp,
+                climb_m=waypoints.climb_m,
+                may_engage=0.0 < self._started_s <= waypoints.time_s,
             )
         )
 
@@ -209,10 +210,10 @@ class BridgeNode(Node):
         with self._lock:
             self._session.silent = self._liveness.silent(now)
             self._link.send(self._session.tick(now))
-            text = json.dumps(self._session.summary(now))
-        if text != self._told_state:
-            self._told_state = text
-            self._state.publish(text_message(text))
+            status = self._session.status(now)
+        if status != self._told_state:
+            self._told_state = status
+            self._publish(topics.UAV_STATE, status)
 
     def _on_diagnostics(self) -> None:
         now = time.monotonic()
@@ -227,15 +228,14 @@ class BridgeNode(Node):
                 "upload_ms": "" if uploaded is None else f"{1e3 * uploaded.duration_s:.0f}",
             }
             problem = session.problem(now)
-            parameters = json.dumps(session.parameters) if session.parameters_told else ""
+            parameters = dict(session.parameters) if session.parameters_told else {}
             wind = session.state.wind.vector_mps
-        stamp = now_s(self)
-        self._diagnostics.publish(diagnostics(stamp, "bridge", problem=problem, values=values))
+        self._publish(topics.DIAGNOSTICS, Health("bridge", problem, values))
         if parameters and parameters != self._told_autopilot:
             self._told_autopilot = parameters
-            self._autopilot.publish(text_message(parameters))
+            self._publish(topics.AUTOPILOT, parameters)
         if wind is not None:
-            self._wind.publish(vector_message(stamp, *wind))
+            self._publish(topics.WIND, wind)
 
 
 def main() -> int:

@@ -6,6 +6,7 @@ import argparse
 import sys
 
 import rclpy
+from rclpy.utilities import remove_ros_args
 from std_srvs.srv import Trigger
 
 from sar_estimator.common import topics
@@ -23,11 +24,11 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="operator", description=__doc__)
     parser.add_argument("action", choices=SERVICES)
     parser.add_argument("--timeout", type=float, default=10.0, help="seconds to wait for an answer")
-    args = parser.parse_args(argv)
+    args = parser.parse_args(remove_ros_args(sys.argv)[1:] if argv is None else argv)
     start_ros()
     try:
         node = rclpy.create_node("operator")
-        client = node.create_client(Trigger, SERVICES[args.action])
+        client = node.create_client(Trigger, topics.name_of(SERVICES[args.action]))
         if not client.wait_for_service(timeout_sec=args.timeout):
             sys.stderr.write(f"operator: {SERVICES[args.action]}: no such service is running\n")
             return 2

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sar_estimator.common.reports import MonitorReport, UavStatus, WaypointList
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase, list_id_at
 from sar_planner.guidance.vehicle import Vehicle
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
-from sar_planner.paths.flight_path import FloatArray
 from sar_planner.prediction.situation import Situation
 from sar_planner.rules.rule_sets import check_planner
 from sar_planner.strategies.active_corner import ActiveCorner, Mode
@@ -29,47 +29,12 @@ FARTHEST_M = 20_000.0
 ENGAGE_MODES = ("AUTO", "GUIDED")
 
 
-@dataclass(frozen=True, slots=True)
-class UavStatus:
-    """What the autopilot says of itself: flight mode, arming, and whether it is heard.
-
-    ``led``: whether the bridge has a list of ours flown. ``airspeed_ratio``: true airspeed over the
-    indicated one, which is what the autopilot is told.
-    """
-
-    mode: str = ""
-    armed: bool = False
-    connected: bool = False
-    led: bool = False
-    airspeed_ratio: float = 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class MonitorStatus:
-    """What the separation monitor says: whether it leads the UAV away, and why.
-
-    ``refused_id``: of the newest list that it did not let pass, 0 for none.
-    """
-
-    escaping: bool = False
-    reason: str = ""
-    refused_id: int = 0
-
-
 @dataclass(frozen=True)
-class WaypointList:
-    """A whole list for the autopilot: ``points``, shape (n, 2) [m] in the map.
+class PlannedList(WaypointList):
+    """A list with its number in the flight, from 1, and what it is for."""
 
-    ``list_id``: by which planner, monitor and bridge tell it from others. ``speed_mps``: the ground
-    speed a path is planned with; None for a slot track.
-    """
-
-    number: int
-    time_s: float
-    mode: str
-    points: FloatArray
-    list_id: int
-    speed_mps: float | None = None
+    number: int = 0
+    mode: str = ""
 
 
 STRATEGIES: dict[str, type[Strategy]] = {
@@ -96,14 +61,14 @@ class MissionPlanner:
         self._strategy = STRATEGIES[mission.rules](self.situation, corner, mission)
         self.engaged = False
         self.problem = ""
-        self.list: WaypointList | None = None
+        self.list: PlannedList | None = None
         self.status = UavStatus()
-        self.monitor = MonitorStatus()
+        self.monitor = MonitorReport()
         self.vehicle = Vehicle({})
         self.wind_mps = (0.0, 0.0)
         self._in_auto = False
         self._lists = self._list_id = 0
-        self._told_mps = self._course_rad = 0.0
+        self._course_rad = 0.0
         self._retry_s = -math.inf
         self._new = True
 
@@ -149,7 +114,7 @@ class MissionPlanner:
             self.problem = f"released: the UAV was taken to mode {status.mode}"
         self._in_auto = status.mode == "AUTO"
 
-    def set_monitor(self, status: MonitorStatus) -> None:
+    def set_monitor(self, status: MonitorReport) -> None:
         """Take what the monitor says: while it leads the UAV away, nothing is planned."""
         if self.engaged and status.escaping and not self.monitor.escaping:
             self._strategy.end()
@@ -215,7 +180,6 @@ class MissionPlanner:
         if not reason and not self.engaged:
             self.engaged = True
             self._new = False
-            self._told_mps = 0.0
             self._strategy.begin()
             self._in_auto = self.status.mode == "AUTO"
         return reason
@@ -278,33 +242,10 @@ class MissionPlanner:
         true_mps = self._strategy.lists.air.airspeed_mps(self._course_rad, speed)
         return self.vehicle.indicated_mps(true_mps, self.status.airspeed_ratio)
 
-    def newly_asked_mps(self, step_mps: float) -> float | None:
-        """Return the airspeed asked for when it differs by ``step_mps`` from what was told last."""
-        speed = self.airspeed_mps
-        if speed is None or abs(speed - self._told_mps) < step_mps:
-            return None
-        self._told_mps = speed
-        return speed
-
-    @property
-    def made_good(self) -> float:
-        """The share of its speed that the UAV is expected to make good at corners."""
-        return self.report.efficiency
-
     @property
     def turn_radius_m(self) -> float:
         """The radius that paths are planned with: more than the configured one where learnt [m]."""
         return self._strategy.turns.radius_m
-
-    @property
-    def kept_lag_m(self) -> float:
-        """The lag kept on legs for a UAV that makes little of its speed good [m], else 0."""
-        return self.report.lag_setpoint_m
-
-    @property
-    def corrections(self) -> int:
-        """How often a path was corrected after it was begun."""
-        return self.report.corrections
 
     def lag_m(self) -> float | None:
         """Return the UAV's lag [m]: L(k) in a corner, on a leg the present along-track lag."""
@@ -323,7 +264,7 @@ class MissionPlanner:
 
     # Decisions ---------------------------------------------------------------------------------
 
-    def update(self, now_s: float) -> WaypointList | None:
+    def update(self, now_s: float) -> PlannedList | None:
         """Return a new waypoint list when one is due."""
         if self._new and self.status.led and self.status.mode == "AUTO":
             self.engage(now_s)  # the UAV was being led when this planner was started
@@ -350,8 +291,13 @@ class MissionPlanner:
         self._lists += 1
         planned = None if self.mode in (Mode.LEG, Mode.HOLD) else speed
         self._list_id = list_id_at(now_s, self._list_id)
-        self.list = WaypointList(
-            self._lists, now_s, name, points[:MAX_WAYPOINTS], self._list_id, planned
+        self.list = PlannedList(
+            self._list_id,
+            now_s,
+            points[:MAX_WAYPOINTS],
+            planned,
+            number=self._lists,
+            mode=name,
         )
         return self.list
 
@@ -371,14 +317,3 @@ class MissionPlanner:
         """Forget what belongs to a time that has not come yet: the clock was set back."""
         self._strategy.set_clock_back()
         self.situation.set_clock_back()
-
-
-__all__ = [
-    "ActiveCorner",
-    "MissionParameters",
-    "MissionPlanner",
-    "Mode",
-    "MonitorStatus",
-    "UavStatus",
-    "WaypointList",
-]

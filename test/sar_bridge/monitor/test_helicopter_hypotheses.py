@@ -191,3 +191,38 @@ def test_any_state_gives_finite_futures_one_of_them_likely(phase, vx, vy, sigma,
         cruise = 20.0 * (HURRY if future.name == "hurries on" else 1.0)
         fastest = max(np.hypot(vx, vy), cruise)
         assert np.hypot(*np.diff(future.positions, axis=0).T).max() <= 0.5 * fastest + 1e-6
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("lost_at_s", [-12.0, -6.0, 0.0, 6.0, 11.0])
+@pytest.mark.parametrize("for_s", [10.0, 16.0, 30.0])
+def test_lost_it_may_have_turned_unseen(side, lost_at_s, for_s):
+    """Around a corner, seconds from its onset: one hypothesis is where it really is."""
+    truth = pattern(side)
+    first = truth.corners[0]
+    seen_s = first.onset_time_s + lost_at_s
+    helicopter = Helicopter(Habits(20.0, 2.0, side))
+    if lost_at_s >= 0.0:
+        helicopter.phase = Phase.DECELERATING if lost_at_s < 10.0 else Phase.STOPPED
+        helicopter.corner = corner_of(first, seen_s)
+    else:
+        helicopter.phase = Phase.CRUISE
+    known = truth.motion(seen_s)
+    helicopter.set_motion(known)
+    helicopter.phase = Phase.LOST
+    now_s = seen_s + for_s
+    gone_on = known.after(for_s)
+    helicopter.set_motion(gone_on._replace(time_s=now_s))
+    futures = helicopter.futures(now_s, TIMES)
+    near = [
+        np.hypot(*(future.positions - positions(truth, now_s)).T)[TIMES < 15.0].max()
+        for future in futures
+    ]
+    assert min(near) < 60.0
+    assert [future.name for future in futures if future.likely] == ["goes on", "stops"]
+
+
+def test_a_helicopter_never_seen_has_done_nothing_unseen():
+    helicopter = Helicopter(HABITS)
+    helicopter.set_motion(Motion(0.0, 0.0, 0.0, 20.0, 0.0))
+    assert len(helicopter.futures(20.0, TIMES)) == 4

@@ -14,11 +14,9 @@ from sar_bridge.monitor.separation_monitor import (
     MonitorParameters,
     Offered,
     SeparationMonitor,
-    monitor_text,
 )
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import LegEstimate, Motion, Phase
-from sar_planner.conversions import monitor_from_text
 
 SLOT = np.array([[800.0, -250.0], [4000.0, -250.0], [4300.0, -280.0]])
 CROSSING = np.array([[500.0, 0.0], [500.0, 3000.0]])
@@ -465,18 +463,6 @@ def test_bad_parameters_are_named(changes, message):
     with pytest.raises(ValueError, match="parameter") as error:
         MonitorParameters(**changes)
     assert message in str(error.value)
-
-
-def test_the_planner_understands_what_the_monitor_says():
-    bench = bench_in(Alert.ESCAPE)
-    bench.monitor.refused_id = 12
-    told = monitor_from_text(monitor_text(bench.monitor))
-    assert told.escaping
-    assert told.reason == bench.monitor.reason
-    assert told.refused_id == 12
-    for text in ("", "[]", "{}", '{"alert": "none"}'):
-        with pytest.raises(ValueError, match="expected alert, reason and refused_id"):
-            monitor_from_text(text)
 
 
 @given(

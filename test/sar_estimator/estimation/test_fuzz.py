@@ -8,9 +8,10 @@ import os
 
 import numpy as np
 
-from sar_estimator.common.conversions import fix_outputs, prediction_outputs
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.gps_fix import Fix
+from sar_estimator.common.wires import WIRES
+from sar_estimator.estimation.component import leg_outputs, motion_outputs
 from sar_estimator.estimation.estimator import HelicopterEstimator
 from sar_estimator.estimation.parameters import EstimatorParameters
 
@@ -54,5 +55,5 @@ def test_whatever_a_receiver_says():
             now = 1000.5 + i
             estimate = estimator.predict(now)
             assert estimate is None or estimate.motion.is_finite()
-            for _, message in (*prediction_outputs(estimator, now), *fix_outputs(estimator, now)):
-                assert message is not None
+            for topic, value in (*motion_outputs(estimator, now), *leg_outputs(estimator, now)):
+                assert WIRES[topic].to_message(value, now) is not None

@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 
 from sar_estimator.common.pose import Pose
+from sar_estimator.common.reports import UavStatus
 from sar_estimator.common.states import LegEstimate, Motion, Phase
-from sar_planner.mission_planner import MissionParameters, MissionPlanner, Mode, UavStatus
+from sar_planner.mission_planner import MissionPlanner
 from sar_planner.parameters.corner import CornerParameters, ParameterError
+from sar_planner.parameters.mission import MissionParameters
+from sar_planner.strategies.active_corner import Mode
 from sar_planner.strategies.follow import AHEAD_S, PERIOD_S
 
 LEG = LegEstimate(10.0, Pose(0.0, 0.0, 0.0), 20.0, 1.0, 0.001, 0.1)

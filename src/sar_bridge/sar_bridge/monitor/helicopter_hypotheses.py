@@ -19,6 +19,8 @@ from sar_estimator.common.states import CornerEstimate, FloatArray, LegEstimate,
 SURE_COURSE_MPS = 3.0
 STANDING_MPS = 1.0
 UNSEEN_S = 5.0
+UNSEEN_STEP_S = 4.0
+MOST_UNSEEN = 12
 FRESH_LEG_S = 10.0
 FRESH_CORNER_S = 5.0
 SAME_STOP_M = 60.0
@@ -75,6 +77,7 @@ class Helicopter:
         self._position_sigma_m = 0.0
         self._velocity_sigma_mps = 0.0
         self._course_rad: float | None = None
+        self._sure: tuple[Motion, Phase] | None = None
         self.cruise_mps = habits.speed_mps
 
     def set_motion(
@@ -84,6 +87,8 @@ class Helicopter:
         if not motion.is_finite():
             return
         self.motion = motion
+        if self.phase is not Phase.LOST:
+            self._sure = motion, self.phase
         self._position_sigma_m = position_sigma_m
         self._velocity_sigma_mps = velocity_sigma_mps
         if motion.speed_mps > SURE_COURSE_MPS and self.phase is not Phase.STOPPED:
@@ -103,6 +108,7 @@ class Helicopter:
             Phase.DECELERATING: self._slowing,
             Phase.STOPPED: self._standing,
             Phase.ACCELERATING: self._departing,
+            Phase.LOST: self._lost,
         }.get(self.phase, self._cruising)
         ahead_s = now_s - self.motion.time_s
         return maker(self.motion, ahead_s, now_s, times_s)
@@ -209,6 +215,45 @@ class Helicopter:
             Future("stops and turns inside", inside, spread),
             Future("stops and turns outside", outside, spread),
         ]
+
+    def _lost(
+        self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray
+    ) -> list[Future]:
+        """Return how it goes on, and what it may have done unseen: a stop, and a turn either way.
+
+        It was seen last up to ``UNSEEN_S`` before it was called lost.
+        """
+        found = self._cruising(motion, ahead_s, now_s, times)
+        if self._sure is None:
+            return found
+        spread = self._ramp_spread(times)
+        for stop, in_s in self._unseen_stops(*self._sure, now_s):
+            accel = self.habits.accel_mps2
+            stands, left, right = l1_kernels.stop_and_turn(
+                times, *stop, in_s, accel, accel, self.cruise_mps
+            )
+            found += [
+                Future("stood unseen", stands, spread),
+                Future("turned left unseen", left, spread),
+                Future("turned right unseen", right, spread),
+            ]
+        return found
+
+    def _unseen_stops(self, sure: Motion, phase: Phase, now_s: float) -> list[tuple[Pose, float]]:
+        """Return where it may have stopped since it was seen, and left in how long from now [s]."""
+        corner = self.corner
+        if phase in (Phase.DECELERATING, Phase.STOPPED) and corner is not None:
+            first_s = corner.stop_time_s
+            leaves_s = np.arange(first_s, max(now_s, first_s) + UNSEEN_STEP_S, UNSEEN_STEP_S)
+            return [(corner.stop, at_s - now_s) for at_s in leaves_s[-MOST_UNSEEN:]]
+        if sure.speed_mps < SURE_COURSE_MPS:
+            return []
+        slowing_s = sure.speed_mps / self.habits.accel_mps2
+        found = []
+        for begun_s in np.arange(sure.time_s - UNSEEN_S, now_s, UNSEEN_STEP_S):
+            way_m = sure.speed_mps * (begun_s - sure.time_s + 0.5 * slowing_s)
+            found.append((sure.pose.offset(way_m), begun_s + slowing_s - now_s))
+        return found[-MOST_UNSEEN:]
 
     def _slowing(
         self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray

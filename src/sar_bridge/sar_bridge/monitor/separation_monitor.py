@@ -10,7 +10,6 @@ away until it is clear. Positions are in the map frame [m], times in seconds of 
 from __future__ import annotations
 
 import enum
-import json
 import math
 from dataclasses import dataclass, fields
 from itertools import pairwise
@@ -495,37 +494,3 @@ class SeparationMonitor:
         best, near, end = max(found, key=lambda way: way[0].value_m)
         climb = climb_m(near, self.above_m, p.escape_climb_m)
         return Escape(now_s, end, climb, best.least_m), best.value_m
-
-
-def monitor_text(monitor: SeparationMonitor) -> str:
-    """Return a monitor's state as JSON."""
-    return json.dumps(
-        {
-            "alert": monitor.alert,
-            "reason": monitor.reason,
-            "refused_id": monitor.refused_id,
-            "watch_only": monitor.parameters.watch_only,
-            "thresholds": monitor.thresholds,
-            "counts": monitor.counts,
-        }
-    )
-
-
-class MonitorNews:
-    """What is to be told of a monitor: its state as JSON, when that has changed.
-
-    ``told``: what was returned last, empty at first.
-    """
-
-    def __init__(self) -> None:
-        """Nothing is told yet."""
-        self.told = ""
-        self._state: tuple[object, ...] = ()
-
-    def of(self, monitor: SeparationMonitor) -> str | None:
-        """Return a monitor's state; None where it is what was returned last."""
-        state = monitor.alert, monitor.reason, monitor.refused_id, *monitor.counts.values()
-        if state == self._state:
-            return None
-        self._state, self.told = state, monitor_text(monitor)
-        return self.told

@@ -19,6 +19,7 @@ from sar_bridge.mavlink.mission_upload import Address, MissionUpload, UploadStat
 from sar_bridge.mavlink.parameter_reader import ParameterReader
 from sar_bridge.mission.mission_slots import RUN_IN_ITEMS, MissionBanks, RunIn, Write
 from sar_estimator.common.geodesy import Datum
+from sar_estimator.common.reports import UavStatus
 from sar_estimator.common.states import Motion
 
 HEARTBEAT_PERIOD_S = 1.0
@@ -260,15 +261,15 @@ class AutopilotSession:
         """Whether the autopilot's heartbeat is fresh."""
         return now_s - self.state.heartbeat_s < LINK_TIMEOUT_S
 
-    def summary(self, now_s: float) -> dict[str, object]:
+    def status(self, now_s: float) -> UavStatus:
         """Return what the graph is to know of the autopilot at any time."""
-        return {
-            "mode": self.state.mode,
-            "armed": self.state.armed,
-            "connected": self.connected(now_s),
-            "led": self.leading,
-            "airspeed_ratio": round(self.state.wind.airspeed_ratio, 3),
-        }
+        return UavStatus(
+            self.state.mode,
+            armed=self.state.armed,
+            connected=self.connected(now_s),
+            led=self.leading,
+            airspeed_ratio=round(self.state.wind.airspeed_ratio, 3),
+        )
 
     def problem(self, now_s: float) -> str:
         """Return what is wrong, empty when nothing is."""

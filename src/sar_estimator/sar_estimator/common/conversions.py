@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Protocol
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -21,7 +20,6 @@ from nav_msgs.msg import Odometry, Path
 from sensor_msgs.msg import NavSatFix, NavSatStatus
 from std_msgs.msg import Header, String
 
-from sar_estimator.common import topics
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.pose import Pose
@@ -31,32 +29,9 @@ from sar_estimator.common.states import (
     LegEstimate,
     Motion,
     MotionEstimate,
-    Phase,
 )
 
 FRAME = "map"
-
-
-class Estimates(Protocol):
-    """What is published of the helicopter: the estimator's, or a simulation's truth."""
-
-    @property
-    def leg(self) -> LegEstimate | None:
-        """The leg being flown."""
-        ...
-
-    @property
-    def corner(self) -> CornerEstimate | None:
-        """The corner ahead."""
-        ...
-
-    def predict(self, time_s: float) -> MotionEstimate | None:
-        """Return the motion at a time."""
-        ...
-
-    def phase(self, time_s: float) -> Phase:
-        """Return the phase at a time."""
-        ...
 
 
 NANOSECONDS = 1_000_000_000
@@ -467,32 +442,3 @@ def diagnostics(
     array = DiagnosticArray(status=[status])
     array.header.stamp = to_stamp(time_s)
     return array
-
-
-def prediction_outputs(
-    estimator: Estimates, time_s: float
-) -> list[tuple[str, Odometry | AccelWithCovarianceStamped]]:
-    """Return what is published at the prediction rate: topic and message."""
-    estimate = estimator.predict(time_s)
-    if estimate is None:
-        return []
-    return [
-        (topics.HELICOPTER_ODOMETRY, estimate_to_odometry(estimate)),
-        (topics.HELICOPTER_ACCEL, estimate_to_accel(estimate)),
-    ]
-
-
-def fix_outputs(
-    estimator: Estimates, time_s: float
-) -> list[tuple[str, Odometry | PoseWithCovarianceStamped | Path]]:
-    """Return what is published after every fix: the leg, and the corner while one is ahead."""
-    found: list[tuple[str, Odometry | PoseWithCovarianceStamped | Path]] = []
-    if estimator.leg is not None:
-        found.append((topics.LEG, leg_to_odometry(estimator.leg)))
-    corner = estimator.corner
-    if corner is not None and estimator.phase(time_s) in (Phase.DECELERATING, Phase.STOPPED):
-        found += [
-            (topics.CORNER, corner_to_pose(corner)),
-            (topics.PREDICTION, corner_to_path(corner)),
-        ]
-    return found

@@ -129,7 +129,7 @@ class Answers:
         """Ask the nodes of these names."""
         self._node = node
         self._clients = {
-            name: node.create_client(GetParameters, f"/{name}/get_parameters") for name in names
+            name: node.create_client(GetParameters, f"{name}/get_parameters") for name in names
         }
         self._asked: dict[str, tuple[float, Any]] = {}
 

@@ -33,3 +33,27 @@ TRUE_HELICOPTER = "/sim/helicopter"
 TRUE_UAV = "/sim/uav"
 TRUE_CORNER = "/sim/corner"
 CLOCK = "/clock"
+
+COMMON = frozenset(
+    {
+        FIX,
+        VELOCITY,
+        DATUM,
+        HELICOPTER_ODOMETRY,
+        HELICOPTER_ACCEL,
+        LEG,
+        CORNER,
+        PREDICTION,
+        PHASE,
+        SCENARIO,
+        TRUE_HELICOPTER,
+        TRUE_CORNER,
+        CLOCK,
+    }
+)
+"""The topics that all UAVs' nodes share, whatever their namespace."""
+
+
+def name_of(topic: str) -> str:
+    """Return a topic or service as a node names it: relative, but for what all UAVs share."""
+    return topic if topic in COMMON else topic.removeprefix("/")

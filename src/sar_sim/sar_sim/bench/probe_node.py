@@ -51,8 +51,10 @@ class Probe(Node):
         self._sent_s = 0.0
         self.bare = self.create_publisher(NavSatFix, FIX, RELIABLE)
         self.create_subscription(NavSatFix, topics.FIX, self._on_fix, qos_profile_sensor_data)
-        self.create_subscription(PathMessage, topics.WAYPOINTS, self._on_list, LATCHED, raw=True)
-        self.create_subscription(String, topics.UPLOADED, self._on_accepted, RELIABLE)
+        waypoints = topics.name_of(topics.WAYPOINTS)
+        self.create_subscription(PathMessage, waypoints, self._on_list, LATCHED, raw=True)
+        uploaded = topics.name_of(topics.UPLOADED)
+        self.create_subscription(String, uploaded, self._on_accepted, RELIABLE)
         self.create_subscription(String, ACCEPTED, self._on_bare, RELIABLE)
 
     def _on_fix(self, message: Any) -> None:

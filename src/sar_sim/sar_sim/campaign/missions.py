@@ -176,7 +176,7 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
         overlap,
         seen_km2,
         covered_s,
-        flight.planner.corrections,
+        flight.planner.report.corrections,
         0 if flight.planner.list is None else flight.planner.list.number,
         matched(world.corners, foretold)[1],
         world.time_s,

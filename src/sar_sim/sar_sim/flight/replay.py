@@ -1,4 +1,4 @@
-"""A recorded flight once more through the modules that flew it, and what they do otherwise.
+"""A recorded flight once more through the components that flew it, and what they do otherwise.
 
 Estimator, planner and monitor are each fed with what was recorded of their *inputs*, in the order
 of the bag; their outputs are compared with what was recorded of those. Each so stands for itself:
@@ -17,41 +17,24 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
-from sar_bridge.arduplane.l1_predictor import FollowerTuning
-from sar_bridge.monitor.separation_monitor import MonitorNews
 from sar_estimator.common import topics
+from sar_estimator.common.component import Component, Outputs
 from sar_estimator.common.conversions import (
-    fix_outputs,
     from_stamp,
-    list_id_of,
-    message_to_fix,
-    odometry_sigmas,
     odometry_to_leg,
     odometry_to_motion,
-    path_speed_mps,
     path_to_corner,
     path_to_points,
-    points_to_path,
-    prediction_outputs,
-    text_message,
 )
 from sar_estimator.common.geodesy import Datum
-from sar_estimator.common.states import FloatArray, Phase
-from sar_estimator.estimation.estimator import HelicopterEstimator
+from sar_estimator.common.wires import WIRES
+from sar_estimator.estimation.component import EstimatorComponent
 from sar_estimator.estimation.parameters import EstimatorParameters
-from sar_planner.conversions import (
-    decision_outputs,
-    monitor_from_text,
-    status_from_text,
-    vehicle_from_text,
-)
-from sar_planner.mission_planner import MissionParameters, MissionPlanner
+from sar_planner.component import PlannerComponent
 from sar_planner.parameters.corner import CornerParameters
-from sar_sim.flight.upload import monitor_for
+from sar_planner.parameters.mission import MissionParameters
+from sar_sim.flight.offline import monitor_for
 
-GUARD_PERIOD_S = 0.5
 Event = tuple[str, float, Any]
 
 
@@ -112,197 +95,114 @@ def flown_with(
         ) from error
 
 
-class _Module:
-    """One of the modules; ``outputs``: what it would have published."""
+class _Replay:
+    """A component that is fed with what was recorded of its inputs.
 
-    def __init__(self) -> None:
-        """Nothing is published yet."""
+    ``outputs``: what it would have published of what is compared.
+    """
+
+    def __init__(self, component: Component) -> None:
+        """Feed a component."""
+        self._component = component
         self.outputs: list[Event] = []
-        self._handlers: dict[str, Callable[[float, Any], None]] = {}
 
     def feed(self, topic: str, time_s: float, message: Any) -> None:
         """Take a recorded message; those that are none of its inputs do nothing."""
-        handler = self._handlers.get(topic)
-        if handler is not None:
-            handler(time_s, message)
+        if topic in self._component.inputs:
+            value = WIRES[topic].from_message(message)
+            self._publish(time_s, self._component.handle(topic, value, time_s))
+        if topic == topics.HELICOPTER_ODOMETRY:
+            self._tick(time_s, from_stamp(message.header.stamp))
 
-    def _publish(self, time_s: float, found: Iterable[tuple[str, Any]]) -> None:
-        self.outputs += [(topic, time_s, message) for topic, message in found]
+    def _tick(self, time_s: float, now_s: float) -> None:
+        """Do what is done whenever the helicopter's motion is predicted."""
+        self._publish(time_s, self._component.tick(now_s))
+
+    def _publish(self, time_s: float, outputs: Outputs) -> None:
+        self.outputs += [
+            (topic, time_s, WIRES[topic].to_message(value, time_s))
+            for topic, value in outputs
+            if topic in FIGURES
+        ]
 
 
-class EstimatorReplay(_Module):
+class EstimatorReplay(_Replay):
     """Fixes and velocities in; leg, corner, phase and predictions out."""
 
     def __init__(self, flown: FlownWith) -> None:
         """Begin with nothing known but what the flight was flown with."""
-        super().__init__()
-        self._estimator = HelicopterEstimator(flown.estimator, flown.datum)
-        self._velocity_sigma_mps = flown.velocity_sigma_mps
-        self._phase: Phase | None = None
-        self._handlers = {
-            topics.FIX: self._on_fix,
-            topics.VELOCITY: self._on_velocity,
-            topics.HELICOPTER_ODOMETRY: self._on_tick,
+        super().__init__(
+            EstimatorComponent(
+                flown.estimator, flown.datum, velocity_sigma_mps=flown.velocity_sigma_mps
+            )
+        )
+
+    def feed(self, topic: str, time_s: float, message: Any) -> None:
+        """Take a recorded message."""
+        super().feed(topic, time_s, message)
+        if topic == topics.PHASE:
             # Lost it is by the clock alone: the record says when that was looked at.
-            topics.PHASE: lambda time_s, _: self._tell_phase(time_s, time_s),
-        }
-
-    def _on_velocity(self, time_s: float, message: Any) -> None:
-        velocity, stamp = message.twist.linear, from_stamp(message.header.stamp)
-        before = self._estimator.corner
-        self._estimator.add_velocity(stamp, velocity.x, velocity.y, self._velocity_sigma_mps)
-        if self._estimator.corner is not before:
-            self._publish(time_s, fix_outputs(self._estimator, stamp))
-            self._tell_phase(time_s, stamp)
-
-    def _on_fix(self, time_s: float, message: Any) -> None:
-        if self._estimator.add_fix(message_to_fix(message)).moved:
-            stamp = from_stamp(message.header.stamp)
-            self._publish(time_s, fix_outputs(self._estimator, stamp))
-            self._tell_phase(time_s, stamp)
-
-    def _on_tick(self, time_s: float, message: Any) -> None:
-        stamp = from_stamp(message.header.stamp)
-        self._tell_phase(time_s, stamp)
-        for topic, output in prediction_outputs(self._estimator, stamp):
-            if topic == topics.HELICOPTER_ODOMETRY:
-                self._publish(time_s, [(topic, output)])
-
-    def _tell_phase(self, time_s: float, stamp_s: float) -> None:
-        phase = self._estimator.phase(stamp_s)
-        if phase is not self._phase:
-            self._phase = phase
-            self._publish(time_s, [(topics.PHASE, text_message(phase))])
+            found = self._component.tick(time_s)
+            self._publish(time_s, [output for output in found if output[0] == topics.PHASE])
 
 
-class PlannerReplay(_Module):
+class PlannerReplay(_Replay):
     """What is known of both aircraft in; waypoint lists, corners and speeds out."""
 
     def __init__(self, flown: FlownWith) -> None:
         """Begin with nothing known but what the flight was flown with."""
-        super().__init__()
-        self._planner = MissionPlanner(flown.corner, flown.mission)
+        self._planner = PlannerComponent(flown.corner, flown.mission)
+        super().__init__(self._planner)
         self._to_engage = list(flown.engaged_s)
-        planner = self._planner
-        self._handlers = {
-            topics.HELICOPTER_ODOMETRY: self._on_tick,
-            topics.UAV_ODOMETRY: lambda _, m: planner.set_uav(odometry_to_motion(m)),
-            topics.LEG: lambda _, m: planner.set_leg(odometry_to_leg(m)),
-            topics.PREDICTION: lambda _, m: planner.set_corner(path_to_corner(m)),
-            topics.PHASE: lambda _, m: planner.set_phase(Phase(m.data)),
-            topics.UAV_STATE: lambda _, m: planner.set_status(status_from_text(m.data)),
-            topics.AUTOPILOT: lambda _, m: planner.set_vehicle(vehicle_from_text(m.data)),
-            topics.MONITOR: lambda _, m: planner.set_monitor(monitor_from_text(m.data)),
-            topics.WIND: lambda _, m: planner.set_wind((m.vector.x, m.vector.y)),
-            topics.WAYPOINTS: self._on_list,
-        }
 
-    def _on_list(self, time_s: float, message: Any) -> None:
-        if not message.poses and self._planner.engaged:
-            self._planner.disengage()
-            withdrawn = points_to_path(np.empty((0, 2)), from_stamp(message.header.stamp))
-            self._publish(time_s, [(topics.WAYPOINTS, withdrawn)])
+    def feed(self, topic: str, time_s: float, message: Any) -> None:
+        """Take a recorded message; an operator's withdrawal is one of the planner's own lists."""
+        super().feed(topic, time_s, message)
+        if topic == topics.WAYPOINTS and not message.poses and self._planner.planner.engaged:
+            at_s = from_stamp(message.header.stamp)
+            self._publish(time_s, self._planner.services[topics.DISENGAGE](at_s).outputs)
 
-    def _on_tick(self, time_s: float, message: Any) -> None:
-        planner = self._planner
-        planner.set_helicopter(odometry_to_motion(message))
-        now_s = from_stamp(message.header.stamp)
+    def _tick(self, time_s: float, now_s: float) -> None:
         if self._to_engage and now_s >= self._to_engage[0] - 1e-6:
-            planner.engage(now_s)
             self._to_engage.pop(0)
-        waypoints = planner.update(now_s)
-        self._publish(time_s, decision_outputs(planner, waypoints))
+            self._publish(time_s, self._planner.services[topics.ENGAGE](now_s).outputs)
+        else:
+            super()._tick(time_s, now_s)
 
 
-class MonitorReplay(_Module):
+class MonitorReplay(_Replay):
     """Lists and what is known of both aircraft in; the lists that pass, and its state, out."""
 
     def __init__(self, flown: FlownWith) -> None:
         """Begin with nothing known but what the flight was flown with."""
-        super().__init__()
         self._monitor = monitor_for(
             flown.corner, flown.mission.turn_side, watch_only=flown.watch_only
         )
-        self._covariance: FloatArray = np.zeros((2, 2))
-        self._news = MonitorNews()
-        self._led = False
+        super().__init__(self._monitor)
+        self._begun = False
         self._looked = -1
-        watched = self._monitor.helicopter
-        self._handlers = {
-            topics.HELICOPTER_ODOMETRY: self._on_tick,
-            topics.UAV_ODOMETRY: lambda _, m: self._monitor.set_uav(odometry_to_motion(m)),
-            topics.WIND: lambda _, m: self._monitor.set_wind((m.vector.x, m.vector.y)),
-            topics.LEG: lambda _, m: watched.set_leg(odometry_to_leg(m)),
-            topics.CORNER: self._on_corner,
-            topics.PREDICTION: self._on_prediction,
-            topics.PHASE: self._on_phase,
-            topics.UAV_STATE: self._on_state,
-            topics.UPLOADED: self._on_uploaded,
-            topics.AUTOPILOT: self._on_autopilot,
-            topics.WAYPOINTS: self._on_list,
-            topics.MONITOR: self._on_told,
-        }
 
-    def _on_told(self, time_s: float, _message: Any) -> None:
-        """Tell what it was before anything was known, when the record does."""
-        if not self._news.told:
-            self._tell(time_s)
+    def feed(self, topic: str, time_s: float, message: Any) -> None:
+        """Take a recorded message; what is told before anything is known, when the record does."""
+        if topic == topics.MONITOR and not self._begun:
+            self._begun = True
+            self._publish(time_s, self._monitor.start(time_s))
+        super().feed(topic, time_s, message)
 
-    def _on_corner(self, _time_s: float, message: Any) -> None:
-        full = np.asarray(message.pose.covariance).reshape(6, 6)
-        self._covariance = full[:2, :2].copy()
-
-    def _on_prediction(self, _time_s: float, message: Any) -> None:
-        self._monitor.helicopter.corner = path_to_corner(message, self._covariance)
-
-    def _on_phase(self, _time_s: float, message: Any) -> None:
-        self._monitor.helicopter.phase = Phase(message.data)
-
-    def _on_state(self, _time_s: float, message: Any) -> None:
-        self._led = status_from_text(message.data).mode in ("AUTO", "GUIDED")
-
-    def _on_uploaded(self, _time_s: float, message: Any) -> None:
-        self._monitor.set_uploaded(int(json.loads(message.data)["list_id"]))
-
-    def _on_autopilot(self, _time_s: float, message: Any) -> None:
-        self._monitor.tuning = FollowerTuning.read(json.loads(message.data))
-
-    def _on_list(self, time_s: float, message: Any) -> None:
-        if not message.poses:
-            self._monitor.withdraw()
-            self._publish(time_s, [(topics.CLEARED, message)])
-        else:
-            speed, list_id = path_speed_mps(message), list_id_of(message)
-            if self._monitor.passes(path_to_points(message), list_id, time_s, speed_mps=speed):
-                self._publish(time_s, [(topics.CLEARED, message)])
-        self._tell(time_s)
-
-    def _on_tick(self, time_s: float, message: Any) -> None:
-        motion = odometry_to_motion(message)
-        self._monitor.helicopter.set_motion(motion, *odometry_sigmas(message))
-        look = math.floor((motion.time_s + 1e-3) / GUARD_PERIOD_S)
-        if look == self._looked or not self._led:
-            return
-        self._looked = look
-        escape = self._monitor.update(motion.time_s)
-        if escape is not None:
-            path = points_to_path(escape.points, escape.time_s, climb_m=escape.climb_m)
-            self._publish(time_s, [(topics.CLEARED, path)])
-        self._tell(time_s)
-
-    def _tell(self, time_s: float) -> None:
-        text = self._news.of(self._monitor)
-        if text is not None:
-            self._publish(time_s, [(topics.MONITOR, text_message(text))])
+    def _tick(self, time_s: float, now_s: float) -> None:
+        look = math.floor((now_s + 1e-3) / self._monitor.period_s)
+        if look != self._looked and self._monitor.is_leading:
+            self._looked = look
+            super()._tick(time_s, now_s)
 
 
 def replay(events: Iterable[Event], flown: FlownWith) -> list[Event]:
-    """Return what the modules would have published, fed with a flight's events in their order."""
-    modules = (EstimatorReplay(flown), PlannerReplay(flown), MonitorReplay(flown))
+    """Return what the components would have published, fed with a flight in its order."""
+    components = (EstimatorReplay(flown), PlannerReplay(flown), MonitorReplay(flown))
     for topic, time_s, message in events:
-        for module in modules:
-            module.feed(topic, time_s, message)
-    return [event for module in modules for event in module.outputs]
+        for component in components:
+            component.feed(topic, time_s, message)
+    return [event for component in components for event in component.outputs]
 
 
 # Comparison ------------------------------------------------------------------------------------

@@ -1,33 +1,64 @@
-"""What a flight without sockets hands over itself: lists to the autopilot, news to the monitor."""
+"""What takes the bridge's place in a flight without sockets: lists to the simulated autopilot."""
 
 from __future__ import annotations
 
 from sar_bridge.arduplane.l1_predictor import FollowerTuning
 from sar_bridge.mavlink.mission_items import first_ahead
 from sar_bridge.mission.mission_slots import MissionBanks, RunIn, Write
-from sar_bridge.monitor.helicopter_hypotheses import Habits
-from sar_bridge.monitor.separation_monitor import MonitorParameters, SeparationMonitor
 from sar_estimator.common.geodesy import Datum
-from sar_estimator.common.states import (
-    CornerEstimate,
-    FloatArray,
-    LegEstimate,
-    MotionEstimate,
-    Phase,
-)
-from sar_planner.parameters.corner import CornerParameters
+from sar_estimator.common.reports import WaypointList
+from sar_estimator.common.states import FloatArray
 from sar_sim.autopilot.autopilot import FlightMode, SimAutopilot
 from sar_sim.autopilot.presets import parameter_values
 
+JOINING_ITEMS = 4
 
-def monitor_for(
-    corner: CornerParameters, turn_side: int, *, watch_only: bool = False
-) -> SeparationMonitor:
-    """Return the monitor of a mission, as the launcher sets it up."""
-    return SeparationMonitor(
-        MonitorParameters(min_separation_m=corner.separation_m, watch_only=watch_only),
-        Habits(corner.speed_mps, corner.accel_mps2, turn_side),
-    )
+
+class SimulatedBridge:
+    """Takes lists to the autopilot as the bridge does: one after the other, the newest next.
+
+    ``item_s``: how long an item takes; ``latency_s``: a list, beside its items.
+    """
+
+    def __init__(
+        self,
+        autopilot: SimAutopilot,
+        datum: Datum,
+        *,
+        altitude_m: float,
+        item_s: float,
+        latency_s: float = 0.0,
+    ) -> None:
+        """Nothing is under way."""
+        self._autopilot, self._datum = autopilot, datum
+        self._banks = MissionBanks(altitude_m=altitude_m)
+        self._item_s, self._latency_s = item_s, latency_s
+        self._newest: WaypointList | None = None
+        self._under_way: WaypointList | None = None
+        self._arrives_s = 0.0
+
+    def take(self, waypoints: WaypointList) -> None:
+        """Upload a list next; one without points is none."""
+        if len(waypoints.points):
+            self._newest = waypoints
+
+    def step(self, time_s: float) -> WaypointList | None:
+        """Return the list that has arrived at the autopilot by ``time_s`` [s], if any."""
+        arrived = None
+        if self._under_way is not None and time_s >= self._arrives_s:
+            arrived, self._under_way = self._under_way, None
+            load_list(
+                self._autopilot,
+                self._banks,
+                arrived.points,
+                self._datum,
+                climb_m=arrived.climb_m,
+            )
+        if self._under_way is None and self._newest is not None:
+            self._under_way, self._newest = self._newest, None
+            items = len(self._under_way.points) + JOINING_ITEMS
+            self._arrives_s = time_s + self._latency_s + items * self._item_s
+        return arrived
 
 
 def load_list(
@@ -56,19 +87,3 @@ def load_list(
 def _put(autopilot: SimAutopilot, write: Write) -> None:
     for i, item in enumerate(write.items):
         autopilot.replace_item(write.start + i, item)
-
-
-def tell_monitor(
-    monitor: SeparationMonitor,
-    estimate: MotionEstimate | None,
-    phase: Phase,
-    corner: CornerEstimate | None,
-    leg: LegEstimate | None,
-) -> None:
-    """Tell the monitor what the estimator knows of the helicopter."""
-    watched = monitor.helicopter
-    if estimate is not None:
-        watched.set_motion(estimate.motion, *estimate.sigmas)
-    watched.phase, watched.corner = phase, corner
-    if leg is not None:
-        watched.set_leg(leg)

@@ -214,7 +214,9 @@ def main(argv: list[str] | None = None) -> int:
         sys.stderr.write(f"launch: {error}\n")
         return 2
     watcher = start_watching()
-    engaging = Persistent(watcher, topics.ENGAGE, ASK_AGAIN_S) if args.engage else None
+    engaging = (
+        Persistent(watcher, topics.name_of(topics.ENGAGE), ASK_AGAIN_S) if args.engage else None
+    )
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, flight.on_signal)
     failed = None

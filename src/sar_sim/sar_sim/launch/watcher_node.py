@@ -31,7 +31,9 @@ class Watcher(Node):
         self.heard_s: dict[str, float] = {}
         self._newest_s = 0.0
         self._last_s = self._since_s = -math.inf
-        self.create_subscription(DiagnosticArray, topics.DIAGNOSTICS, self._on, RELIABLE)
+        self.create_subscription(
+            DiagnosticArray, topics.name_of(topics.DIAGNOSTICS), self._on, RELIABLE
+        )
 
     def _on(self, message: DiagnosticArray) -> None:
         self._newest_s = from_stamp(message.header.stamp)

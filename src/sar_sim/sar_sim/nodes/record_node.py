@@ -48,7 +48,9 @@ class RecordNode(Node):
         self._seen: set[str] = set()
         self._waiting: list[tuple[str, str, bytes, bool]] = []
         self._failure = ""
-        self._diagnostics = self.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, RELIABLE)
+        self._diagnostics = self.create_publisher(
+            DiagnosticArray, topics.name_of(topics.DIAGNOSTICS), RELIABLE
+        )
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DISCOVERY_PERIOD_S, self._discover, clock=wall)
         self.create_timer(FLUSH_PERIOD_S, self._flush, clock=wall)

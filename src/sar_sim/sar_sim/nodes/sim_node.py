@@ -85,7 +85,9 @@ class SimNode(Node):
         self._follower: AutopilotPacer | None = None
         if parameter(self, "follow_autopilot", default=False):
             self._follower = AutopilotPacer(self._speed)
-            self.create_subscription(Clock, topics.UAV_CLOCK, self._on_uav_clock, RELIABLE)
+            self.create_subscription(
+                Clock, topics.name_of(topics.UAV_CLOCK), self._on_uav_clock, RELIABLE
+            )
         self._listeners = parameter(self, "wait_for_listeners", 1)
         self._patience_s = parameter(self, "patience_s", 30.0)
         self._clock_sender = self.create_publisher(Clock, topics.CLOCK, RELIABLE)
@@ -94,13 +96,15 @@ class SimNode(Node):
             TwistStamped, topics.VELOCITY, qos_profile_sensor_data
         )
         self._true_helicopter = self.create_publisher(Odometry, topics.TRUE_HELICOPTER, RELIABLE)
-        self._true_uav = self.create_publisher(Odometry, topics.TRUE_UAV, RELIABLE)
+        self._true_uav = self.create_publisher(Odometry, topics.name_of(topics.TRUE_UAV), RELIABLE)
         self._true_corner = self.create_publisher(String, topics.TRUE_CORNER, RELIABLE)
         self._scenario = self.create_publisher(String, topics.SCENARIO, LATCHED)
         self._scenario.publish(text_message(scenario_text(scenario)))
         self._corners = list(self._world.corners)
         # A simulated UAV is engaged from here; a real one's operator does so himself.
-        self._engaging = Persistent(self, topics.ENGAGE, ENGAGE_PERIOD_S / self._speed)
+        self._engaging = Persistent(
+            self, topics.name_of(topics.ENGAGE), ENGAGE_PERIOD_S / self._speed
+        )
         self._steps = 0
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self)

@@ -13,14 +13,17 @@ from typing import Any
 
 import numpy as np
 
-from sar_bridge.mission.mission_slots import MissionBanks
 from sar_bridge.monitor.separation_monitor import SeparationMonitor
+from sar_estimator.common import topics
 from sar_estimator.common.pose import Pose
+from sar_estimator.common.reports import UavStatus, Uploaded, WaypointList
 from sar_estimator.common.states import FloatArray, Motion, list_id_at
-from sar_estimator.estimation.estimator import HelicopterEstimator
+from sar_estimator.estimation.component import EstimatorComponent
 from sar_estimator.estimation.parameters import EstimatorParameters
-from sar_sim.flight.offline import STEPS_PER_GUARD, STEPS_PER_TICK, make_monitor
-from sar_sim.flight.upload import load_list, tell_monitor
+from sar_sim.autopilot.presets import parameter_values
+from sar_sim.flight.bus import Bus
+from sar_sim.flight.offline import STEPS_PER_GUARD, STEPS_PER_TICK, monitor_for
+from sar_sim.flight.upload import SimulatedBridge
 from sar_sim.scenario.presets import AUTOPILOTS
 from sar_sim.scenario.scenario import Gps, Pattern, Pilot, Scenario, Uav, Wind
 from sar_sim.world.helicopter import Helicopter
@@ -167,56 +170,58 @@ class _Flight:
     """World, estimator and monitor, and the lists' way to the autopilot."""
 
     def __init__(self, scenario: Scenario, *, gated: bool) -> None:
-        self.world = World(scenario)
-        self.estimator = HelicopterEstimator(EstimatorParameters(), self.world.datum)
-        self.monitor: SeparationMonitor = make_monitor(scenario)
+        self.world = world = World(scenario)
+        self._estimator = EstimatorComponent(EstimatorParameters(), world.datum)
+        self._monitor = monitor_for(scenario.corner, scenario.pattern.turn_side)
         self._gated = gated
-        self._banks = MissionBanks(altitude_m=scenario.sensor.altitude_m)
-        self._sent: tuple[float, int, FloatArray, float] | None = None
+        self._bridge = SimulatedBridge(
+            world.autopilot,
+            world.datum,
+            altitude_m=scenario.sensor.altitude_m,
+            item_s=scenario.uav.item_s,
+            latency_s=LATENCY_S,
+        )
+        components = (self._estimator, self._monitor)
+        self._bus = Bus(components, listeners={topics.CLEARED: self._bridge.take})
+        self._bus.start(components)
+        self._bus.publish(topics.AUTOPILOT, parameter_values(scenario.uav))
+        self._bus.publish(topics.UAV_STATE, UavStatus("AUTO", armed=True, connected=True))
         self._steps = 0
+
+    @property
+    def monitor(self) -> SeparationMonitor:
+        """The monitor."""
+        return self._monitor.monitor
 
     def offer(self, points: FloatArray) -> None:
         """Hand a list on when it may pass, or when nobody asks."""
-        now = self.world.time_s
+        now_s = self.world.time_s
+        waypoints = WaypointList(list_id_at(now_s), now_s, points)
         if self._gated:
-            if self.monitor.passes(points, list_id_at(now), now):
-                self._send(points, list_id_at(now), 0.0)
+            self._bus.publish(topics.WAYPOINTS, waypoints)
         elif self.monitor.escape is None:
-            self._send(points, list_id_at(now), 0.0)
-
-    def _send(self, points: FloatArray, list_id: int, climb_m: float) -> None:
-        items_s = (len(points) + 2) * self.world.scenario.uav.item_s
-        self._sent = (self.world.time_s + LATENCY_S + items_s, list_id, points, climb_m)
+            self._bridge.take(waypoints)
 
     def step(self) -> None:
         """Advance by one step."""
-        world, monitor = self.world, self.monitor
-        for reception in world.step():
-            self.estimator.add_fix(reception.fix)
+        receptions = self.world.step()
+        bus = self._bus
+        bus.now_s = self.world.time_s
+        for reception in receptions:
+            bus.receive(reception)
         self._steps += 1
         if self._steps % STEPS_PER_TICK == 0:
-            self._know()
+            bus.tell_uav(self.world.autopilot)
+            bus.tick(self._estimator)
         if self._steps % STEPS_PER_GUARD == 0:
-            escape = monitor.update(world.time_s)
-            if escape is not None:
-                self._send(escape.points, list_id_at(escape.time_s), escape.climb_m)
-        if self._sent is not None and world.time_s >= self._sent[0]:
-            _, list_id, points, climb = self._sent
-            self._sent = None
-            self._load(points, list_id, climb)
-
-    def _know(self) -> None:
-        now, known = self.world.time_s, self.estimator
-        tell_monitor(self.monitor, known.predict(now), known.phase(now), known.corner, known.leg)
-        self.monitor.set_uav(self.world.autopilot.motion.stamped(now))
-        self.monitor.set_wind(self.world.autopilot.wind_estimate_mps)
-
-    def _load(self, points: FloatArray, list_id: int, climb_m: float) -> None:
+            bus.tick(self._monitor)
+        arrived = self._bridge.step(self.world.time_s)
+        if arrived is None:
+            return
         if self._gated:
-            self.monitor.set_uploaded(list_id)
+            bus.publish(topics.UPLOADED, Uploaded(arrived.list_id, len(arrived.points)))
         elif self.monitor.escape is None:
-            self.monitor.set_flown(points)
-        load_list(self.world.autopilot, self._banks, points, self.world.datum, climb_m=climb_m)
+            self.monitor.set_flown(arrived.points)
 
 
 def fly_encounter(seed: int) -> Encounter:

@@ -6,9 +6,16 @@ import math
 
 import numpy as np
 
+from sar_estimator.common import topics
+from sar_estimator.common.component import Component, Outputs
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import CornerEstimate, LegEstimate, MotionEstimate, Phase
+from sar_estimator.estimation.component import (
+    EstimatorComponent,
+    leg_outputs,
+    motion_outputs,
+)
 from sar_sim.world.helicopter import CornerTruth, Helicopter
 
 
@@ -66,3 +73,31 @@ class TrueEstimates:
         motion = self._helicopter.motion(self.time_s)
         foot = Pose(motion.x_m, motion.y_m, math.atan2(motion.vy_mps, motion.vx_mps))
         return LegEstimate(self.time_s, foot, motion.speed_mps, 0.0, 0.0, 0.0)
+
+
+class TruthComponent(Component):
+    """Tells the true state on the estimator's topics."""
+
+    name = "estimator"
+    outputs = EstimatorComponent.outputs
+
+    def __init__(self, helicopter: Helicopter, datum: Datum) -> None:
+        """Know every corner of the flight."""
+        super().__init__()
+        self.estimator = TrueEstimates(helicopter, datum)
+        self._phase: Phase | None = None
+
+    def start(self, now_s: float) -> Outputs:  # noqa: ARG002
+        """Tell of the map's origin."""
+        return [(topics.DATUM, self.estimator.datum)]
+
+    def tick(self, now_s: float) -> Outputs:
+        """Tell everything."""
+        known = self.estimator
+        known.time_s = now_s
+        found: Outputs = []
+        phase = known.phase(now_s)
+        if phase is not self._phase:
+            self._phase = phase
+            found.append((topics.PHASE, phase))
+        return [*found, *leg_outputs(known, now_s), *motion_outputs(known, now_s)]

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from sar_estimator.common.pose import Pose
+from sar_estimator.common.reports import UavStatus
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.guidance.path_efficiency import PathEfficiency
 from sar_planner.guidance.waypoint_lists import HoldListing, PathListing, SlotListing
-from sar_planner.mission_planner import MissionPlanner, UavStatus
+from sar_planner.mission_planner import MissionPlanner
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.strategies.active_corner import Mode

@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 from sar_estimator.common.pose import Pose
+from sar_estimator.common.reports import UavStatus
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.guidance.vehicle import Vehicle
-from sar_planner.mission_planner import MissionParameters, MissionPlanner, Mode, UavStatus
+from sar_planner.mission_planner import MissionPlanner
 from sar_planner.parameters.corner import CornerParameters
+from sar_planner.parameters.mission import MissionParameters
+from sar_planner.strategies.active_corner import Mode
 
 FLYING = UavStatus("AUTO", armed=True, connected=True)
 
@@ -51,8 +54,6 @@ def test_lag_on_a_leg_is_trimmed_by_speed(lag, speed):
     plan = on_leg(lag)
     assert plan.update(100.0).mode == "leg"
     assert plan.speed_mps == pytest.approx(speed, abs=0.05)
-    assert plan.newly_asked_mps(0.05) == plan.speed_mps
-    assert plan.newly_asked_mps(0.05) is None
 
 
 @pytest.mark.parametrize(
@@ -104,7 +105,7 @@ def test_corner_is_planned_committed_corrected_and_left():
         plan.set_helicopter(Motion(now, 80.0, 0.0, 0.0, 0.0))
         corrected = plan.update(now) or corrected
     assert plan.active.committed
-    assert plan.corrections > 0
+    assert plan.report.corrections > 0
     assert corrected.mode == "D4"
 
 
@@ -116,7 +117,7 @@ def corrected_plan():
     for tenth in range(1, 200):
         now = 104.0 + 0.1 * tenth
         fly(plan, path.pose_at(20.0 * (now - 100.0 - min(1.5, 0.0375 * tenth))), now)
-        if plan.corrections > 0:
+        if plan.report.corrections > 0:
             return plan, now
     raise AssertionError("never corrected")
 
@@ -136,7 +137,7 @@ def test_on_its_way_over_to_a_corrected_path_the_uav_may_be_beside_it():
         now = begun + 0.1 * tenth
         there = tracked.path.pose_at(tracked.flown_m + 2.0 * tenth).offset(0.0, 25.0)
         fly(plan, tracked.frame.pose_to_map(there), now)
-        if plan.corrections > 1:
+        if plan.report.corrections > 1:
             corrected.append(now - begun)
             break
     assert corrected == pytest.approx([MissionParameters().settling_s], abs=0.15)

@@ -1,0 +1,188 @@
+"""The monitor as a component: it stands between planner and bridge."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sar_bridge.arduplane.l1_predictor import FollowerTuning
+from sar_bridge.monitor.helicopter_hypotheses import Habits
+from sar_bridge.monitor.separation_monitor import Alert, MonitorParameters, SeparationMonitor
+from sar_estimator.common import topics
+from sar_estimator.common.component import NOTICES, Component, Notice, Outputs, keep
+from sar_estimator.common.geodesy import Datum
+from sar_estimator.common.gps_fix import Fix
+from sar_estimator.common.reports import (
+    Health,
+    HelicopterReport,
+    MonitorReport,
+    UavReport,
+    UavStatus,
+    Uploaded,
+    WaypointList,
+)
+from sar_estimator.common.states import CornerEstimate, FloatArray, Phase, list_id_at
+
+LED_MODES = ("AUTO", "GUIDED")
+RATES_HZ = (1.0, 50.0)
+
+
+class MonitorComponent(Component):
+    """Hands lists on that may pass, and sends the UAV away.
+
+    ``monitor``: what decides.
+    """
+
+    name = "monitor"
+    outputs = (topics.CLEARED, topics.MONITOR, topics.DIAGNOSTICS)
+
+    def __init__(
+        self, parameters: MonitorParameters, habits: Habits, *, rate_hz: float = 2.0
+    ) -> None:
+        """Know nothing. ``rate_hz``: of the guard. Raises ``ValueError`` for what cannot be."""
+        super().__init__()
+        if not RATES_HZ[0] <= rate_hz <= RATES_HZ[1]:
+            raise ValueError(f"parameter guard_rate_hz = {rate_hz}: expected 1 to 50")
+        self.period_s = 1.0 / rate_hz
+        self.monitor = SeparationMonitor(parameters, habits)
+        self._covariance: FloatArray | None = None
+        self._uav_up_m = self._datum_m = 0.0
+        self._led = False
+        self._early: WaypointList | None = None
+        self._told: tuple[object, ...] = ()
+        self.inputs = {
+            topics.WAYPOINTS: self._on_list,
+            topics.HELICOPTER_ODOMETRY: self._on_helicopter,
+            topics.LEG: keep(self.monitor.helicopter.set_leg),
+            topics.CORNER: self._on_covariance,
+            topics.PREDICTION: self._on_corner,
+            topics.PHASE: self._on_phase,
+            topics.UAV_ODOMETRY: self._on_uav,
+            topics.WIND: keep(self.monitor.set_wind),
+            topics.UAV_STATE: self._on_status,
+            topics.UPLOADED: self._on_uploaded,
+            topics.AUTOPILOT: self._on_autopilot,
+            topics.FIX: self._on_fix,
+            topics.DATUM: self._on_datum,
+        }
+
+    @property
+    def is_leading(self) -> bool:
+        """Whether the UAV flies in a mode in which it is led."""
+        return self._led
+
+    # What is known -----------------------------------------------------------------------------
+
+    def start(self, now_s: float) -> Outputs:  # noqa: ARG002
+        """Tell that nothing is wrong yet."""
+        return self._state_outputs()
+
+    def _on_helicopter(self, report: HelicopterReport, _now_s: float) -> Outputs:
+        self.monitor.helicopter.set_motion(*report)
+        return []
+
+    def _on_covariance(self, covariance: FloatArray, _now_s: float) -> Outputs:
+        self._covariance = covariance
+        return []
+
+    def _on_corner(self, corner: CornerEstimate, _now_s: float) -> Outputs:
+        if self._covariance is not None:
+            corner = corner.with_covariance(self._covariance)
+        self.monitor.helicopter.corner = corner
+        return []
+
+    def _on_phase(self, phase: Phase, _now_s: float) -> Outputs:
+        self.monitor.helicopter.phase = phase
+        return []
+
+    def _on_fix(self, fix: Fix, _now_s: float) -> Outputs:
+        if math.isfinite(fix.altitude_m):
+            self.monitor.above_m = self._uav_up_m - (fix.altitude_m - self._datum_m)
+        return []
+
+    def _on_datum(self, datum: Datum, _now_s: float) -> Outputs:
+        if math.isfinite(datum.altitude_m):
+            self._datum_m = datum.altitude_m
+        return []
+
+    def _on_uav(self, report: UavReport, _now_s: float) -> Outputs:
+        self._uav_up_m = report.up_m
+        self.monitor.set_uav(report.motion)
+        return []
+
+    def _on_status(self, status: UavStatus, _now_s: float) -> Outputs:
+        self._led = status.mode in LED_MODES
+        return []
+
+    def _on_uploaded(self, uploaded: Uploaded, _now_s: float) -> Outputs:
+        self.monitor.set_uploaded(uploaded.list_id)
+        return []
+
+    def _on_autopilot(self, values: dict[str, float], _now_s: float) -> Outputs:
+        self.monitor.tuning = FollowerTuning.read(values)
+        return []
+
+    # Gate and guard ----------------------------------------------------------------------------
+
+    def _on_list(self, waypoints: WaypointList, now_s: float) -> Outputs:
+        """Hand a list on when it may pass; a withdrawal always does."""
+        monitor, self._early = self.monitor, None
+        if len(waypoints.points) == 0:
+            monitor.withdraw()
+            return [(topics.CLEARED, waypoints), *self._state_outputs()]
+        found: Outputs = []
+        if monitor.unseen:
+            self._early = waypoints
+        elif monitor.passes(
+            waypoints.points, waypoints.list_id, now_s, speed_mps=waypoints.speed_mps
+        ):
+            found.append((topics.CLEARED, waypoints))
+        else:
+            found.append((NOTICES, Notice("warning", monitor.reason)))
+        return found + self._state_outputs()
+
+    def tick(self, now_s: float) -> Outputs:
+        """Look at what is flown."""
+        found: Outputs = []
+        if self._early is not None and not self.monitor.unseen:
+            found += self._on_list(self._early, now_s)
+        if not self._led:
+            return found
+        escape = self.monitor.update(now_s)
+        if escape is not None:
+            away = WaypointList(
+                list_id_at(escape.time_s), escape.time_s, escape.points, climb_m=escape.climb_m
+            )
+            found.append((topics.CLEARED, away))
+            found.append((NOTICES, Notice("error", self.monitor.reason)))
+        return found + self._state_outputs()
+
+    def _state_outputs(self) -> Outputs:
+        """Return the state when it has changed."""
+        monitor = self.monitor
+        state = monitor.alert, monitor.reason, monitor.refused_id, *monitor.counts.values()
+        if state == self._told:
+            return []
+        self._told = state
+        report = MonitorReport(
+            str(monitor.alert),
+            monitor.reason,
+            monitor.refused_id,
+            watch_only=monitor.parameters.watch_only,
+            thresholds=dict(monitor.thresholds),
+            counts={str(name): count for name, count in monitor.counts.items()},
+        )
+        return [(topics.MONITOR, report)]
+
+    def health(self, now_s: float) -> Health:  # noqa: ARG002
+        """Return the alert, and how near a conflict is."""
+        monitor = self.monitor
+        alert = "" if monitor.alert is Alert.NONE else f"{monitor.alert}: {monitor.nearest}"
+        nearest_m = monitor.nearest.distance_m
+        values: dict[str, Any] = {
+            "alert": monitor.alert,
+            "nearest_m": f"{nearest_m:.0f}" if math.isfinite(nearest_m) else "",
+            **{str(name): count for name, count in monitor.counts.items()},
+            **monitor.thresholds,
+        }
+        return Health(self.name, monitor.reason or alert, values)

@@ -1,0 +1,113 @@
+"""The one node that runs any component."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, qos_profile_sensor_data
+from std_srvs.srv import Trigger
+
+from sar_estimator.common import topics
+from sar_estimator.common.component import NOTICES, Answer, Component, Notice, Outputs
+from sar_estimator.common.node_support import (
+    LATCHED,
+    RELIABLE,
+    now_s,
+    report_each_second,
+)
+from sar_estimator.common.wires import WIRES, Quality
+
+QUALITIES: dict[Quality, QoSProfile] = {
+    Quality.RELIABLE: RELIABLE,
+    Quality.LATCHED: LATCHED,
+    Quality.SENSOR: qos_profile_sensor_data,
+}
+THROTTLE_S = 5.0
+CLOCK_STEP_S = 1.0
+
+
+class ComponentNode(Node):
+    """Feeds a component with messages and the clock, and publishes what it gives."""
+
+    def __init__(self, name: str, make: Callable[[Node], Component]) -> None:
+        """Make the component, which may declare parameters; create topics, services, timers."""
+        super().__init__(name)
+        self._component = make(self)
+        self._newest_s = 0.0
+        self._senders: dict[str, Any] = {}
+        for topic in self._component.inputs:
+            wire = WIRES[topic]
+            self.create_subscription(
+                wire.kind, topics.name_of(topic), self._taker(topic), QUALITIES[wire.quality]
+            )
+        for topic in self._component.outputs:
+            wire = WIRES[topic]
+            self._senders[topic] = self.create_publisher(
+                wire.kind, topics.name_of(topic), QUALITIES[wire.quality]
+            )
+        for service, answer in self._component.services.items():
+            self.create_service(Trigger, topics.name_of(service), self._server(service, answer))
+        self.create_timer(self._component.period_s, self._on_timer)
+        report_each_second(self, self._on_report)
+        self._publish(self._component.start(now_s(self)))
+
+    def _taker(self, topic: str) -> Callable[[Any], None]:
+        wire = WIRES[topic]
+
+        def take(message: Any) -> None:
+            try:
+                value = wire.from_message(message)
+            except ValueError as error:
+                self.get_logger().warning(f"{topic}: {error}", throttle_duration_sec=THROTTLE_S)
+                return
+            self._publish(self._component.handle(topic, value, now_s(self)))
+            if topic in self._component.urgent:
+                self._on_timer()
+
+        return take
+
+    def _server(
+        self, service: str, answer: Callable[[float], Answer]
+    ) -> Callable[[Trigger.Request, Trigger.Response], Trigger.Response]:
+        def serve(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+            found = answer(now_s(self))
+            response.success, response.message = found.success, found.message
+            self.get_logger().info(f"{service.rpartition('/')[2]}: {found.message}")
+            self._publish(found.outputs)
+            return response
+
+        return serve
+
+    def _on_timer(self) -> None:
+        now = now_s(self)
+        if now < self._newest_s - CLOCK_STEP_S:
+            self.get_logger().warning(f"clock set back by {self._newest_s - now:.1f} s")
+            self._component.set_clock_back()
+        self._newest_s = now
+        self._publish(self._component.tick(now))
+
+    def _on_report(self) -> None:
+        now = now_s(self)
+        self._publish(
+            [*self._component.report(now), (topics.DIAGNOSTICS, self._component.health(now))]
+        )
+
+    def _publish(self, outputs: Outputs) -> None:
+        for topic, value in outputs:
+            if topic == NOTICES:
+                self._log(value)
+            else:
+                message = WIRES[topic].to_message(value, now_s(self))
+                self._senders[topic].publish(message)
+
+    def _log(self, notice: Notice) -> None:
+        log = self.get_logger()
+        # rclpy tells calls apart by their place: one line for each level.
+        if notice.level == "error":
+            log.error(notice.text)
+        elif notice.level == "warning":
+            log.warning(notice.text)
+        else:
+            log.info(notice.text)

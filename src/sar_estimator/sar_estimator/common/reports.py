@@ -1,0 +1,128 @@
+"""What the components tell each other beside the estimator's values: plain values, no messages."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from sar_estimator.common.states import FloatArray, Motion
+
+RATIOS = (0.5, 2.0)
+
+
+class Velocity(NamedTuple):
+    """A receiver's velocity, east and north [m/s], at a time [s]."""
+
+    time_s: float
+    vx_mps: float
+    vy_mps: float
+
+
+class HelicopterReport(NamedTuple):
+    """The helicopter's motion, and how sure its position [m] and velocity [m/s] are."""
+
+    motion: Motion
+    position_sigma_m: float
+    velocity_sigma_mps: float
+
+
+class UavReport(NamedTuple):
+    """The UAV's motion, its heading, and its height above the map's origin [m]."""
+
+    motion: Motion
+    yaw_rad: float
+    up_m: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class UavStatus:
+    """What the autopilot says of itself: flight mode, arming, and whether it is heard.
+
+    ``led``: whether the bridge has a list of ours flown. ``airspeed_ratio``: true airspeed over the
+    indicated one, which is what the autopilot is told. Raises ``ValueError`` for a ratio that
+    cannot be.
+    """
+
+    mode: str = ""
+    armed: bool = False
+    connected: bool = False
+    led: bool = False
+    airspeed_ratio: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Check the ratio."""
+        if not RATIOS[0] <= self.airspeed_ratio <= RATIOS[1]:
+            raise ValueError(f"airspeed_ratio = {self.airspeed_ratio}: expected 0.5 to 2")
+
+
+@dataclass(frozen=True)
+class WaypointList:
+    """A whole list for the autopilot: ``points``, shape (n, 2) [m] in the map; none withdraw it.
+
+    ``list_id``: by which planner, monitor and bridge tell it from others. ``speed_mps``: the ground
+    speed a path is planned with; None for a slot track. ``climb_m``: above the usual altitude.
+    """
+
+    list_id: int
+    time_s: float
+    points: FloatArray
+    speed_mps: float | None = None
+    climb_m: float = 0.0
+
+    @classmethod
+    def withdrawal(cls, time_s: float) -> WaypointList:
+        """Return the list of no points, which withdraws the one that is flown."""
+        return cls(round(time_s * 1e9), time_s, np.empty((0, 2)))
+
+
+@dataclass(frozen=True)
+class MonitorReport:
+    """What the separation monitor says.
+
+    ``alert``: none, caution, warning or escape. ``reason``: why the newest list was refused, or the
+    UAV sent away. ``refused_id``: of the newest list that it did not let pass, 0 for none.
+    ``thresholds``: distances [m] by name. ``counts``: how often each alert began, and lists passed
+    and were refused.
+    """
+
+    alert: str = "none"
+    reason: str = ""
+    refused_id: int = 0
+    watch_only: bool = False
+    thresholds: Mapping[str, float] = field(default_factory=dict)
+    counts: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def escaping(self) -> bool:
+        """Whether the monitor leads the UAV away."""
+        return self.alert == "escape"
+
+
+class Uploaded(NamedTuple):
+    """A list that the autopilot has accepted: its identity, size, and how long it took [ms]."""
+
+    list_id: int
+    waypoints: int = 0
+    upload_ms: float = 0.0
+
+
+@dataclass(frozen=True)
+class Health:
+    """How a node is: what is wrong, empty when nothing is, and figures by name."""
+
+    name: str
+    problem: str = ""
+    values: Mapping[str, object] = field(default_factory=dict)
+
+
+def checked_parameters(values: Mapping[str, float]) -> dict[str, float]:
+    """Return an autopilot's parameters as finite numbers by name; ``ValueError`` for others."""
+    found = {str(name): float(value) for name, value in values.items()}
+    for name, value in found.items():
+        if not math.isfinite(value):
+            raise ValueError(f"{name} = {value}: expected a finite number")
+    return found

@@ -1,0 +1,319 @@
+"""The table of the graph's topics: message type, quality of service, and both conversions.
+
+``WIRES[topic]`` makes a message of a value and back. An offline flight, which sends no messages,
+hands on what a message would carry of a value: ``carried``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import (
+    AccelWithCovarianceStamped,
+    PoseWithCovarianceStamped,
+    TwistStamped,
+    Vector3Stamped,
+)
+from nav_msgs.msg import Odometry, Path
+from sensor_msgs.msg import NavSatFix
+from std_msgs.msg import Float64, String
+from visualization_msgs.msg import MarkerArray
+
+from sar_estimator.common import conversions, topics
+from sar_estimator.common.geodesy import Datum
+from sar_estimator.common.reports import (
+    Health,
+    HelicopterReport,
+    MonitorReport,
+    UavReport,
+    UavStatus,
+    Uploaded,
+    Velocity,
+    WaypointList,
+    checked_parameters,
+)
+from sar_estimator.common.states import MotionEstimate, Phase
+
+
+class Quality(StrEnum):
+    """Quality of service: reliable; latched, the newest for late joiners too; a sensor's."""
+
+    RELIABLE = "reliable"
+    LATCHED = "latched"
+    SENSOR = "sensor"
+
+
+@dataclass(frozen=True)
+class Wire:
+    """One topic: its message type, quality, and conversions.
+
+    ``to_message(value, time_s)`` uses the time [s] for values that have none of their own.
+    ``from_message`` raises ``ValueError`` for what is no such value. ``carried``: the value that
+    comes out of the message that it goes into.
+    """
+
+    kind: type[Any]
+    quality: Quality
+    to_message: Callable[[Any, float], Any]
+    from_message: Callable[[Any], Any]
+    carried: Callable[[Any], Any]
+
+
+def _same(value: Any) -> Any:
+    return value
+
+
+def _newest(carry: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Return ``carry``, worked out once for each value, not at every handing on."""
+    known: tuple[Any, Any] | None = None
+
+    def once(value: Any) -> Any:
+        nonlocal known
+        if known is None or known[0] is not value:
+            known = value, carry(value)
+        return known[1]
+
+    return once
+
+
+def _json(message: String) -> Any:
+    try:
+        return json.loads(message.data)
+    except ValueError as error:
+        raise ValueError(f"{message.data[:80]!r}: expected JSON") from error
+
+
+def _read(message: String, kind: str, make: Callable[[Mapping[str, Any]], Any]) -> Any:
+    """Return what ``make`` makes of a message's JSON; ``ValueError`` says what was expected."""
+    try:
+        return make(_json(message))
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"{message.data[:80]!r}: expected {kind} ({error})") from error
+
+
+def _text(value: object, _time_s: float) -> String:
+    return conversions.text_message(value)
+
+
+def _as_json(value: object, _time_s: float) -> String:
+    return conversions.text_message(json.dumps(value))
+
+
+def _helicopter(message: Odometry) -> HelicopterReport:
+    return HelicopterReport(
+        conversions.odometry_to_motion(message), *conversions.odometry_sigmas(message)
+    )
+
+
+def _helicopter_carried(estimate: MotionEstimate) -> HelicopterReport:
+    return HelicopterReport(conversions.motion_as_told(estimate.motion), *estimate.sigmas)
+
+
+def _uav_message(report: UavReport, _time_s: float) -> Odometry:
+    return conversions.motion_to_odometry(
+        report.motion, child="uav", yaw_rad=report.yaw_rad, up_m=report.up_m
+    )
+
+
+def _uav(message: Odometry) -> UavReport:
+    pose = message.pose.pose
+    yaw = conversions.to_yaw(pose.orientation)
+    return UavReport(conversions.odometry_to_motion(message), yaw, pose.position.z)
+
+
+def _uav_carried(report: UavReport) -> UavReport:
+    motion = conversions.motion_as_told(report.motion, report.yaw_rad)
+    return UavReport(motion, report.yaw_rad, report.up_m)
+
+
+def _velocity(message: TwistStamped) -> Velocity:
+    linear = message.twist.linear
+    return Velocity(conversions.from_stamp(message.header.stamp), linear.x, linear.y)
+
+
+def _datum(message: NavSatFix) -> Datum:
+    return Datum(message.latitude, message.longitude, message.altitude)
+
+
+def _stop_covariance(message: PoseWithCovarianceStamped) -> Any:
+    covariance = np.asarray(message.pose.covariance).reshape(6, 6)[:2, :2].copy()
+    if not np.isfinite(covariance).all():
+        raise ValueError(f"covariance of the stop {covariance.tolist()}: expected numbers")
+    return covariance
+
+
+def _phase(message: String) -> Phase:
+    return Phase(message.data)
+
+
+def _status(message: String) -> UavStatus:
+    return _read(  # type: ignore[no-any-return]
+        message,
+        "mode, armed and connected, airspeed_ratio 0.5 to 2",
+        lambda values: UavStatus(
+            str(values["mode"]),
+            armed=bool(values["armed"]),
+            connected=bool(values["connected"]),
+            led=bool(values.get("led", False)),
+            airspeed_ratio=float(values.get("airspeed_ratio", 1.0)),
+        ),
+    )
+
+
+def _parameters(message: String) -> dict[str, float]:
+    found: dict[str, float] = _read(message, "names and finite numbers", checked_parameters)
+    return found
+
+
+def _wind(message: Vector3Stamped) -> tuple[float, float]:
+    return message.vector.x, message.vector.y
+
+
+def _list_message(waypoints: WaypointList, _time_s: float) -> Path:
+    return conversions.points_to_path(
+        waypoints.points,
+        waypoints.time_s,
+        climb_m=waypoints.climb_m,
+        speed_mps=waypoints.speed_mps,
+        list_id=waypoints.list_id,
+    )
+
+
+def _list(message: Path) -> WaypointList:
+    return WaypointList(
+        conversions.list_id_of(message),
+        conversions.from_stamp(message.header.stamp),
+        conversions.path_to_points(message),
+        conversions.path_speed_mps(message),
+        conversions.path_climb_m(message),
+    )
+
+
+def _uploaded(message: String) -> Uploaded:
+    return _read(  # type: ignore[no-any-return]
+        message,
+        "list_id",
+        lambda values: Uploaded(
+            int(values["list_id"]),
+            int(values.get("waypoints", 0)),
+            float(values.get("upload_ms", 0.0)),
+        ),
+    )
+
+
+def _monitor(message: String) -> MonitorReport:
+    return _read(  # type: ignore[no-any-return]
+        message,
+        "alert, reason and refused_id",
+        lambda values: MonitorReport(
+            str(values["alert"]),
+            str(values["reason"]),
+            int(values["refused_id"]),
+            watch_only=bool(values.get("watch_only", False)),
+            thresholds=values.get("thresholds", {}),
+            counts=values.get("counts", {}),
+        ),
+    )
+
+
+def _health(health: Health, time_s: float) -> DiagnosticArray:
+    return conversions.diagnostics(
+        time_s, health.name, problem=health.problem, values=dict(health.values)
+    )
+
+
+def _float(value: float, _time_s: float) -> Float64:
+    return Float64(data=value)
+
+
+def _data(message: Any) -> Any:
+    return message.data
+
+
+RELIABLE, LATCHED, SENSOR = Quality
+WIRES: dict[str, Wire] = {
+    topics.FIX: Wire(
+        NavSatFix,
+        SENSOR,
+        lambda fix, _: conversions.fix_to_message(fix),
+        conversions.message_to_fix,
+        _same,
+    ),
+    topics.VELOCITY: Wire(
+        TwistStamped,
+        SENSOR,
+        lambda v, _: conversions.velocity_message(v.time_s, v.vx_mps, v.vy_mps),
+        _velocity,
+        _same,
+    ),
+    topics.DATUM: Wire(NavSatFix, LATCHED, conversions.datum_message, _datum, _same),
+    topics.HELICOPTER_ODOMETRY: Wire(
+        Odometry,
+        RELIABLE,
+        lambda estimate, _: conversions.estimate_to_odometry(estimate),
+        _helicopter,
+        _helicopter_carried,
+    ),
+    topics.HELICOPTER_ACCEL: Wire(
+        AccelWithCovarianceStamped,
+        RELIABLE,
+        lambda estimate, _: conversions.estimate_to_accel(estimate),
+        _same,
+        _same,
+    ),
+    topics.LEG: Wire(
+        Odometry,
+        RELIABLE,
+        lambda leg, _: conversions.leg_to_odometry(leg),
+        conversions.odometry_to_leg,
+        _newest(conversions.leg_as_told),
+    ),
+    topics.CORNER: Wire(
+        PoseWithCovarianceStamped,
+        RELIABLE,
+        lambda corner, _: conversions.corner_to_pose(corner),
+        _stop_covariance,
+        lambda corner: corner.covariance,
+    ),
+    topics.PREDICTION: Wire(
+        Path,
+        RELIABLE,
+        lambda corner, _: conversions.corner_to_path(corner),
+        conversions.path_to_corner,
+        _newest(lambda corner: conversions.path_to_corner(conversions.corner_to_path(corner))),
+    ),
+    topics.PHASE: Wire(String, LATCHED, _text, _phase, _same),
+    topics.UAV_ODOMETRY: Wire(Odometry, RELIABLE, _uav_message, _uav, _uav_carried),
+    topics.UAV_STATE: Wire(
+        String, LATCHED, lambda status, _: _as_json(asdict(status), 0.0), _status, _same
+    ),
+    topics.AUTOPILOT: Wire(String, LATCHED, _as_json, _parameters, _same),
+    topics.WIND: Wire(
+        Vector3Stamped,
+        RELIABLE,
+        lambda wind, time_s: conversions.vector_message(time_s, *wind),
+        _wind,
+        _same,
+    ),
+    topics.UPLOADED: Wire(
+        String, RELIABLE, lambda one, _: _as_json(one._asdict(), 0.0), _uploaded, _same
+    ),
+    topics.WAYPOINTS: Wire(Path, LATCHED, _list_message, _list, _same),
+    topics.CLEARED: Wire(Path, LATCHED, _list_message, _list, _same),
+    topics.SPEED: Wire(Float64, LATCHED, _float, _data, _same),
+    topics.MODE: Wire(String, LATCHED, _text, _data, _same),
+    topics.LAG: Wire(Float64, RELIABLE, _float, _data, _same),
+    topics.CORNER_PLAN: Wire(String, RELIABLE, _as_json, _json, _same),
+    topics.MISSION: Wire(String, LATCHED, _as_json, _json, _same),
+    topics.MARKERS: Wire(MarkerArray, RELIABLE, lambda markers, _: markers, _same, _same),
+    topics.MONITOR: Wire(
+        String, LATCHED, lambda report, _: _as_json(asdict(report), 0.0), _monitor, _same
+    ),
+    topics.DIAGNOSTICS: Wire(DiagnosticArray, RELIABLE, _health, _same, _same),
+}

@@ -1,0 +1,220 @@
+"""The planner as a component: what is known of both aircraft in; waypoint lists out."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import asdict
+from typing import Any
+
+from sar_estimator.common import topics
+from sar_estimator.common.component import (
+    NOTICES,
+    Answer,
+    Component,
+    Notice,
+    Outputs,
+    keep,
+)
+from sar_estimator.common.reports import (
+    Health,
+    HelicopterReport,
+    UavReport,
+    UavStatus,
+    WaypointList,
+)
+from sar_estimator.common.states import CornerEstimate
+from sar_planner.guidance.vehicle import Vehicle
+from sar_planner.mission_planner import MissionPlanner, PlannedList
+from sar_planner.parameters.corner import CornerParameters
+from sar_planner.parameters.mission import MissionParameters
+from sar_planner.strategies.active_corner import ActiveCorner, Mode
+
+FIGURES = re.compile(r"[\d.]+")
+SPEED_STEP_MPS = 0.05
+MOST_RATE_HZ = 100.0
+
+
+class PlannerComponent(Component):
+    """Feeds the mission planner, and tells its decisions.
+
+    ``planner``: what is fed.
+    """
+
+    name = "planner"
+    outputs: tuple[str, ...] = (
+        topics.WAYPOINTS,
+        topics.SPEED,
+        topics.MODE,
+        topics.LAG,
+        topics.CORNER_PLAN,
+        topics.MISSION,
+        topics.DIAGNOSTICS,
+    )
+    urgent = frozenset({topics.PREDICTION})
+
+    def __init__(
+        self, corner: CornerParameters, mission: MissionParameters, *, rate_hz: float = 5.0
+    ) -> None:
+        """Begin idle. ``rate_hz``: of decisions. Raises ``ValueError`` for what cannot be."""
+        super().__init__()
+        if not 0.0 < rate_hz <= MOST_RATE_HZ:
+            raise ValueError(f"parameter decision_rate_hz = {rate_hz}: expected 0 to 100")
+        self.period_s = 1.0 / rate_hz
+        self.planner = MissionPlanner(corner, mission)
+        self._asked_mps = 0.0
+        self._noted = ""
+        self.inputs = {
+            topics.HELICOPTER_ODOMETRY: self._on_helicopter,
+            topics.UAV_ODOMETRY: self._on_uav,
+            topics.LEG: keep(self.planner.set_leg),
+            topics.PREDICTION: self._on_corner,
+            topics.PHASE: keep(self.planner.set_phase),
+            topics.UAV_STATE: self._on_status,
+            topics.AUTOPILOT: self._on_autopilot,
+            topics.MONITOR: keep(self.planner.set_monitor),
+            topics.WIND: keep(self.planner.set_wind),
+        }
+        self.services = {topics.ENGAGE: self._engage, topics.DISENGAGE: self._disengage}
+
+    # What is known -----------------------------------------------------------------------------
+
+    def start(self, now_s: float) -> Outputs:  # noqa: ARG002
+        """Tell the parameters that it flies with."""
+        planner = self.planner
+        record = {
+            "corner": asdict(planner.corner_parameters),
+            "mission": asdict(planner.parameters),
+        }
+        return [(topics.MISSION, record)]
+
+    def _on_helicopter(self, report: HelicopterReport, _now_s: float) -> Outputs:
+        self.planner.set_helicopter(report.motion)
+        return []
+
+    def _on_uav(self, report: UavReport, _now_s: float) -> Outputs:
+        self.planner.set_uav(report.motion)
+        return []
+
+    def _on_corner(self, corner: CornerEstimate, _now_s: float) -> Outputs:
+        self.planner.set_corner(corner)
+        return []
+
+    def _on_status(self, status: UavStatus, now_s: float) -> Outputs:
+        was = self.planner.mode
+        self.planner.set_status(status)
+        released = was is not Mode.IDLE and self.planner.mode is Mode.IDLE
+        return self._withdrawn(now_s) if released else []
+
+    def _on_autopilot(self, values: dict[str, float], _now_s: float) -> Outputs:
+        vehicle = Vehicle(values)
+        self.planner.set_vehicle(vehicle)
+        warning = vehicle.warning()
+        return [(NOTICES, Notice("warning", warning))] if warning else []
+
+    # Operator ----------------------------------------------------------------------------------
+
+    def _engage(self, now_s: float) -> Answer:
+        reason = self.planner.engage(now_s)
+        return Answer(not reason, reason or "engaged", self.tick(now_s))
+
+    def _disengage(self, now_s: float) -> Answer:
+        self.planner.disengage()
+        return Answer(success=True, message="disengaged", outputs=self._withdrawn(now_s))
+
+    def _withdrawn(self, now_s: float) -> Outputs:
+        """Tell that there is no list any more."""
+        return [(topics.WAYPOINTS, WaypointList.withdrawal(now_s)), *self._problem_outputs()]
+
+    # Decisions ---------------------------------------------------------------------------------
+
+    def tick(self, now_s: float) -> Outputs:
+        """Decide."""
+        planner = self.planner
+        waypoints = planner.update(now_s)
+        found: Outputs = []
+        airspeed = planner.airspeed_mps
+        if not planner.engaged:
+            self._asked_mps = 0.0
+        elif airspeed is not None and abs(airspeed - self._asked_mps) >= SPEED_STEP_MPS:
+            self._asked_mps = airspeed
+            found.append((topics.SPEED, airspeed))
+        if waypoints is not None:
+            found.append((topics.WAYPOINTS, waypoints))
+            if planner.active is not None and waypoints.mode != Mode.LEG:
+                found.append((topics.CORNER_PLAN, corner_record(planner.active, waypoints)))
+            text = f"list {waypoints.number}: {waypoints.mode}, {len(waypoints.points)} waypoints"
+            found.append((NOTICES, Notice("info", text)))
+        return found + self._problem_outputs()
+
+    def _problem_outputs(self) -> Outputs:
+        """Return a problem that is new: said once, however its figures change."""
+        problem = self.planner.problem
+        plain = FIGURES.sub("", problem)
+        if plain == self._noted:
+            return []
+        self._noted = plain
+        return [(NOTICES, Notice("warning", problem))] if problem else []
+
+    def report(self, now_s: float) -> Outputs:  # noqa: ARG002
+        """Tell the mode, and the lag where there is one."""
+        lag = self.planner.lag_m()
+        found: Outputs = [(topics.MODE, self.planner.rule)]
+        if lag is not None:
+            found.append((topics.LAG, lag))
+        return found
+
+    def health(self, now_s: float) -> Health:  # noqa: ARG002
+        """Return what it does, and why it does not do more."""
+        planner = self.planner
+        report = planner.report
+        return Health(
+            self.name,
+            planner.problem,
+            {
+                "corner": planner.corners_seen,
+                "rule": planner.rule,
+                "phase": planner.phase,
+                "lag_m": _figure(planner.lag_m()),
+                "separation_m": _figure(planner.separation_m()),
+                "speed_asked_mps": _figure(planner.speed_mps),
+                "airspeed_asked_mps": _figure(planner.airspeed_mps),
+                "wind_mps": f"{math.hypot(*planner.wind_mps):.1f}",
+                "autopilot": planner.vehicle.warning(),
+                "corrections": report.corrections,
+                "made_good": f"{report.efficiency:.2f}",
+                "turn_radius_m": f"{planner.turn_radius_m:.0f}",
+                "kept_lag_m": f"{report.lag_setpoint_m:.0f}",
+                "lists": 0 if planner.list is None else planner.list.number,
+            },
+        )
+
+    def set_clock_back(self) -> None:
+        """Forget what has not come yet."""
+        self.planner.set_clock_back()
+
+
+def _figure(value: float | None) -> str:
+    return "" if value is None else f"{value:.1f}"
+
+
+def corner_record(active: ActiveCorner, waypoints: PlannedList) -> dict[str, Any]:
+    """Return what was decided at a corner, and the time of the list it went out with."""
+    plan, estimate = active.plan, active.estimate
+    return {
+        "k": active.k,
+        "rule": str(plan.rule),
+        "lag_m": plan.lag_m,
+        "next_lag_m": plan.next_lag_m,
+        "length_m": plan.path.length_m,
+        "list_time_s": waypoints.time_s,
+        "onset_time_s": estimate.onset_time_s,
+        "stop_time_s": estimate.stop_time_s,
+        "estimated_at_s": estimate.time_s,
+        "speed_mps": estimate.speed_mps,
+        "accel_mps2": estimate.accel_mps2,
+        "turn_radius_m": plan.parameters.turn_radius_m,
+        "stop": [estimate.stop.x_m, estimate.stop.y_m, estimate.stop.heading_rad],
+        "first_stop": [active.first_stop.x_m, active.first_stop.y_m],
+        "path": [[round(float(v), 2) for v in xy] for xy in active.path.sample(10.0)],
+    }

@@ -1,0 +1,139 @@
+"""The monitor as a component: lists handed on, kept back, withdrawn; what is told of it."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sar_bridge.monitor.component import MonitorComponent
+from sar_bridge.monitor.helicopter_hypotheses import Habits
+from sar_bridge.monitor.separation_monitor import MonitorParameters
+from sar_estimator.common import topics
+from sar_estimator.common.component import NOTICES
+from sar_estimator.common.geodesy import Datum
+from sar_estimator.common.gps_fix import Fix
+from sar_estimator.common.pose import Pose
+from sar_estimator.common.reports import (
+    HelicopterReport,
+    UavReport,
+    UavStatus,
+    Uploaded,
+    WaypointList,
+)
+from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
+
+SLOT = np.array([[800.0, -250.0], [4000.0, -250.0], [4300.0, -280.0]])
+CROSSING = np.array([[500.0, 0.0], [500.0, 3000.0]])
+HABITS = Habits(20.0, 2.5, 1)
+
+
+def of(outputs, topic):
+    return [value for one, value in outputs if one == topic]
+
+
+def listed(points, number=1):
+    return WaypointList(number, 100.0, points)
+
+
+def fed(component, now_s=100.0, *, uav_y=-250.0):
+    for topic, value in (
+        (topics.UAV_STATE, UavStatus("AUTO", armed=True, connected=True)),
+        (topics.DATUM, Datum(37.8, -122.8, 10.0)),
+        (topics.PHASE, Phase.CRUISE),
+        (topics.LEG, LegEstimate(now_s, Pose(0.0, 0.0, 0.0), 20.0, 0.3, 0.001, 0.02)),
+        (topics.HELICOPTER_ODOMETRY, HelicopterReport(Motion(now_s, 0, 0, 20.0, 0.0), 1.0, 0.1)),
+        (topics.UAV_ODOMETRY, UavReport(Motion(now_s, 0.0, uav_y, 20.0, 0.0), 0.0, 150.0)),
+        (topics.FIX, Fix(now_s, 37.8, -122.8, 60.0)),
+        (topics.AUTOPILOT, {"NAVL1_PERIOD": 17.0}),
+        (topics.WIND, (1.0, 0.0)),
+    ):
+        component.handle(topic, value, now_s)
+    return component
+
+
+def monitor(**changes):
+    return MonitorComponent(MonitorParameters(**changes), HABITS)
+
+
+def test_a_list_that_keeps_apart_is_handed_on_and_another_is_not():
+    component = fed(monitor())
+    passed = component.handle(topics.WAYPOINTS, listed(SLOT), 100.0)
+    assert of(passed, topics.CLEARED)[0].list_id == 1
+    refused = component.handle(topics.WAYPOINTS, listed(CROSSING, 2), 100.0)
+    assert of(refused, topics.CLEARED) == []
+    assert "list refused" in of(refused, NOTICES)[0].text
+    (report,) = of(refused, topics.MONITOR)
+    assert (report.refused_id, report.counts["refused"], report.escaping) == (2, 1, False)
+
+
+def test_a_list_from_before_both_were_seen_waits_for_them():
+    component = monitor()
+    assert of(component.handle(topics.WAYPOINTS, listed(SLOT), 99.0), topics.CLEARED) == []
+    fed(component)
+    assert of(component.tick(100.0), topics.CLEARED)[0].list_id == 1
+    assert of(component.tick(100.5), topics.CLEARED) == []
+
+
+def test_a_withdrawal_is_handed_on_whatever_is_known():
+    found = monitor().handle(topics.WAYPOINTS, WaypointList.withdrawal(5.0), 5.0)
+    assert len(of(found, topics.CLEARED)[0].points) == 0
+
+
+def test_a_uav_that_flies_at_the_helicopter_is_sent_away_once_it_is_led():
+    component = fed(monitor(watch_only=False), uav_y=-150.0)
+    component.monitor.set_flown(np.array([[60.0, 0.0], [80.0, 0.0]]))
+    assert component.is_leading
+    told = []
+    for step in range(20):
+        now_s = 100.0 + 0.5 * step
+        toward = Motion(now_s, 10.0 * step, -150.0 + 8.0 * step, 20.0, 16.0)
+        component.handle(topics.UAV_ODOMETRY, UavReport(toward, 0.7, 150.0), now_s)
+        ahead = HelicopterReport(Motion(now_s, 10.0 * step, 0.0, 20.0, 0.0), 1.0, 0.1)
+        component.handle(topics.HELICOPTER_ODOMETRY, ahead, now_s)
+        told += component.tick(now_s)
+    assert of(told, topics.CLEARED)
+    assert any(report.escaping for report in of(told, topics.MONITOR))
+    assert next(notice.level for notice in of(told, NOTICES)) == "error"
+    idle = fed(monitor(), uav_y=-150.0)
+    idle.handle(topics.UAV_STATE, UavStatus("MANUAL", armed=True, connected=True), 100.0)
+    assert not idle.is_leading
+    assert idle.tick(100.0) == []
+
+
+def test_its_state_is_told_when_it_changes():
+    component = monitor()
+    assert of(component.start(0.0), topics.MONITOR)[0].alert == "none"
+    assert component.start(0.0) == []
+
+
+def test_heights_and_what_was_uploaded_are_heeded():
+    component = fed(monitor())
+    assert component.monitor.above_m == pytest.approx(150.0 - 50.0)
+    component.handle(topics.WAYPOINTS, listed(SLOT, 7), 100.0)
+    assert not component.monitor.guarding
+    component.handle(topics.UPLOADED, Uploaded(7), 100.0)
+    assert component.monitor.guarding
+    assert component.monitor.tuning.period_s == 17.0
+
+
+def test_a_corner_has_the_covariance_that_came_before_it():
+    component = fed(monitor())
+    corner = CornerEstimate(
+        104.0, Pose(80.0, 0.0, 0.0), 108.0, 20.0, 2.5, np.zeros((2, 2)), 0.0, 0.0
+    )
+    component.handle(topics.CORNER, np.diag((9.0, 4.0)), 104.0)
+    component.handle(topics.PREDICTION, corner, 104.0)
+    assert component.monitor.helicopter.corner.covariance[0, 0] == 9.0
+
+
+def test_health_tells_the_thresholds_and_the_alert():
+    component = fed(monitor())
+    health = component.health(100.0)
+    assert health.values["min_separation_m"] == 200.0
+    assert health.problem == ""
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, 1000.0, math.nan])
+def test_a_rate_that_cannot_be_meant_is_named(rate):
+    with pytest.raises(ValueError, match="guard_rate_hz"):
+        MonitorComponent(MonitorParameters(), HABITS, rate_hz=rate)

@@ -1,0 +1,155 @@
+"""The table of topics: what goes into a message comes out of it, and as is said to be carried."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from std_msgs.msg import String
+
+from sar_estimator.common import topics
+from sar_estimator.common.geodesy import Datum
+from sar_estimator.common.gps_fix import Fix
+from sar_estimator.common.pose import Pose
+from sar_estimator.common.reports import (
+    MonitorReport,
+    UavReport,
+    UavStatus,
+    Uploaded,
+    Velocity,
+    WaypointList,
+)
+from sar_estimator.common.states import (
+    CornerEstimate,
+    LegEstimate,
+    Motion,
+    MotionEstimate,
+    Phase,
+)
+from sar_estimator.common.wires import WIRES
+
+POINTS = np.array([[1.0, 2.0], [300.0, -40.0], [900.0, -41.0]])
+CORNER = CornerEstimate(
+    104.0, Pose(80.0, 3.0, 0.4), 108.0, 20.0, 2.5, np.diag((9.0, 4.0)), 0.01, 0.2
+)
+VALUES = {
+    topics.FIX: Fix(12.5, 37.8, -122.8, 30.0, np.diag((9.0, 9.0))),
+    topics.VELOCITY: Velocity(12.5, 3.0, -4.0),
+    topics.DATUM: Datum(37.8, -122.8, 12.0),
+    topics.HELICOPTER_ODOMETRY: MotionEstimate(
+        Motion(12.5, 1.0, 2.0, 15.0, -9.0, 0.3, 0.4), np.diag((4.0, 0.3, 1.0, 4.0, 0.3, 1.0))
+    ),
+    topics.LEG: LegEstimate(12.5, Pose(1.0, 2.0, 0.3), 20.0, 1.5, 0.01, 0.2),
+    topics.CORNER: CORNER,
+    topics.PREDICTION: CORNER,
+    topics.PHASE: Phase.DECELERATING,
+    topics.UAV_ODOMETRY: UavReport(Motion(12.5, 1.0, 2.0, 15.0, -9.0), -0.5, 150.0),
+    topics.UAV_STATE: UavStatus("AUTO", armed=True, connected=True, led=True, airspeed_ratio=1.1),
+    topics.AUTOPILOT: {"NAVL1_PERIOD": 17.0},
+    topics.WIND: (3.0, -4.0),
+    topics.UPLOADED: Uploaded(12_500_000_001, 3, 210.5),
+    topics.WAYPOINTS: WaypointList(12_500_000_001, 12.5, POINTS, 21.0),
+    topics.CLEARED: WaypointList(12_500_000_001, 12.5, POINTS, None, 40.0),
+    topics.SPEED: 21.5,
+    topics.MODE: "leg",
+    topics.LAG: -3.5,
+    topics.CORNER_PLAN: {"k": 3, "rule": "D4"},
+    topics.MISSION: {"corner": {"spacing_m": 250.0}},
+    topics.MONITOR: MonitorReport("caution", "near", 7, thresholds={"a": 1.0}, counts={"b": 2}),
+}
+
+
+def plain(value):
+    """Return a value as nested lists of its parts, to be compared."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, tuple) and not isinstance(value, str):
+        return [plain(part) for part in value]
+    if hasattr(value, "__dataclass_fields__"):
+        return [plain(getattr(value, name)) for name in value.__dataclass_fields__]
+    return value
+
+
+def same(one, other):
+    if isinstance(one, list):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, float):
+        return math.isclose(one, other, rel_tol=1e-9, abs_tol=1e-7)
+    return one == other
+
+
+@pytest.mark.parametrize("topic", VALUES)
+def test_a_message_carries_what_is_said_to_be_carried(topic):
+    wire, value = WIRES[topic], VALUES[topic]
+    message = wire.to_message(value, 12.5)
+    assert type(message) is wire.kind
+    received = wire.from_message(message)
+    assert same(plain(received), plain(wire.carried(value)))
+
+
+def test_every_topic_that_nodes_talk_over_is_in_the_table():
+    known = {value for name, value in vars(topics).items() if name.isupper()} - {topics.COMMON}
+    others = {
+        topics.CLOCK,
+        topics.UAV_CLOCK,
+        topics.SCENARIO,
+        topics.TRUE_HELICOPTER,
+        topics.TRUE_UAV,
+        topics.TRUE_CORNER,
+        topics.ENGAGE,
+        topics.DISENGAGE,
+        topics.RETURN_HOME,
+    }
+    assert set(WIRES) == known - others
+
+
+@pytest.mark.parametrize(
+    ("topic", "text", "expected"),
+    [
+        (topics.MONITOR, "", "expected JSON"),
+        (topics.MONITOR, "[]", "expected alert, reason and refused_id"),
+        (topics.MONITOR, '{"alert": "none"}', "expected alert, reason and refused_id"),
+        (topics.UAV_STATE, '{"mode": "AUTO"}', "expected mode, armed and connected"),
+        (topics.AUTOPILOT, '{"WP_RADIUS": "wide"}', "expected names and finite numbers"),
+        (topics.AUTOPILOT, '{"WP_RADIUS": NaN}', "expected names and finite numbers"),
+        (topics.AUTOPILOT, "3", "expected names and finite numbers"),
+        (topics.UPLOADED, '{"waypoints": 3}', "expected list_id"),
+        (topics.PHASE, "flying", "flying"),
+    ],
+)
+def test_what_is_no_such_value_is_refused_in_one_line(topic, text, expected):
+    with pytest.raises(ValueError, match=expected) as error:
+        WIRES[topic].from_message(String(data=text))
+    assert "\n" not in str(error.value)
+
+
+def test_status_of_an_older_bridge_has_no_airspeed_ratio():
+    text = '{"mode": "AUTO", "armed": true, "connected": true}'
+    found = WIRES[topics.UAV_STATE].from_message(String(data=text))
+    assert found == UavStatus("AUTO", armed=True, connected=True)
+
+
+@pytest.mark.parametrize("ratio", ["0", "-1.0", "NaN", "3", '"one"', "null"])
+def test_an_airspeed_ratio_that_cannot_be_is_refused(ratio):
+    text = '{"mode": "AUTO", "armed": true, "connected": true, "airspeed_ratio": RATIO}'
+    with pytest.raises(ValueError, match=r"airspeed_ratio 0\.5 to 2"):
+        WIRES[topics.UAV_STATE].from_message(String(data=text.replace("RATIO", ratio)))
+
+
+def test_a_withdrawal_is_a_list_without_points():
+    message = WIRES[topics.WAYPOINTS].to_message(WaypointList.withdrawal(12.5), 12.5)
+    assert len(message.poses) == 0
+    assert len(WIRES[topics.WAYPOINTS].from_message(message).points) == 0
+
+
+def test_a_report_is_not_changed_by_being_told():
+    report = VALUES[topics.MONITOR]
+    before = json.dumps(plain(report), default=dict)
+    WIRES[topics.MONITOR].to_message(report, 0.0)
+    assert json.dumps(plain(report), default=dict) == before
+
+
+def test_what_all_uavs_share_is_absolute_and_all_else_relative():
+    assert topics.name_of(topics.FIX) == "/helicopter/fix"
+    assert topics.name_of(topics.WAYPOINTS) == "uav/waypoints"
+    assert topics.name_of(topics.ENGAGE) == "planner/engage"

@@ -1,0 +1,113 @@
+"""The planner as a component: what comes of every input, and of an operator's wishes."""
+
+import math
+
+import pytest
+
+from sar_estimator.common import topics
+from sar_estimator.common.component import NOTICES
+from sar_estimator.common.pose import Pose
+from sar_estimator.common.reports import HelicopterReport, MonitorReport, UavReport, UavStatus
+from sar_estimator.common.states import LegEstimate, Motion, Phase
+from sar_planner.component import PlannerComponent
+from sar_planner.parameters.corner import CornerParameters
+from sar_planner.parameters.mission import MissionParameters
+
+FLYING = UavStatus("AUTO", armed=True, connected=True)
+
+
+def fed(now_s=100.0, component=None):
+    """A planner that knows both aircraft on a leg."""
+    component = component or PlannerComponent(CornerParameters(), MissionParameters())
+    for topic, value in (
+        (topics.UAV_STATE, FLYING),
+        (topics.HELICOPTER_ODOMETRY, HelicopterReport(Motion(now_s, 0, 0, 20.0, 0.0), 1.0, 0.1)),
+        (topics.UAV_ODOMETRY, UavReport(Motion(now_s, 0.0, -250.0, 20.0, 0.0), 0.0)),
+        (topics.PHASE, Phase.CRUISE),
+        (topics.LEG, LegEstimate(now_s, Pose(0.0, 0.0, 0.0), 20.0, 0.3, 0.001, 0.02)),
+        (topics.WIND, (1.0, 0.0)),
+    ):
+        assert component.handle(topic, value, now_s) == []
+    return component
+
+
+def of(outputs, topic):
+    return [value for one, value in outputs if one == topic]
+
+
+def test_what_it_flies_with_is_told_first():
+    ((topic, record),) = PlannerComponent(CornerParameters(), MissionParameters()).start(0.0)
+    assert topic == topics.MISSION
+    assert record["corner"]["spacing_m"] == 250.0
+    assert record["mission"]["rules"] == "deadbeat"
+
+
+def test_engaged_it_decides_at_once_and_tells_a_speed_when_it_changes():
+    component = fed()
+    assert component.tick(100.0) == []
+    answer = component.services[topics.ENGAGE](100.0)
+    assert (answer.success, answer.message) == (True, "engaged")
+    assert of(answer.outputs, topics.WAYPOINTS)[0].mode == "leg"
+    assert of(answer.outputs, topics.SPEED) == [pytest.approx(20.0, abs=1.0)]
+    assert of(component.tick(100.5), topics.SPEED) == []
+    late = HelicopterReport(Motion(101.0, 60.0, 0.0, 20.0, 0.0), 1.0, 0.1)
+    component.handle(topics.HELICOPTER_ODOMETRY, late, 101.0)
+    assert of(component.tick(101.0), topics.SPEED)[0] > 20.0
+
+
+def test_an_engagement_that_cannot_be_is_refused_with_its_reason():
+    component = PlannerComponent(CornerParameters(), MissionParameters())
+    answer = component.services[topics.ENGAGE](0.0)
+    assert (answer.success, answer.message) == (False, "no heartbeat from the autopilot")
+
+
+@pytest.mark.parametrize("how", ["operator", "human"])
+def test_a_list_is_withdrawn(how):
+    component = fed()
+    component.services[topics.ENGAGE](100.0)
+    if how == "operator":
+        outputs = component.services[topics.DISENGAGE](101.0).outputs
+    else:
+        manual = UavStatus("MANUAL", armed=True, connected=True)
+        outputs = component.handle(topics.UAV_STATE, manual, 101.0)
+        assert "MANUAL" in of(outputs, NOTICES)[0].text
+    (withdrawn,) = of(outputs, topics.WAYPOINTS)
+    assert len(withdrawn.points) == 0
+    assert withdrawn.list_id == 101_000_000_000
+    assert component.tick(101.0) == []
+
+
+def test_a_problem_is_said_once_however_its_figures_change():
+    component = fed()
+    component.services[topics.ENGAGE](100.0)
+    said = [of(component.tick(106.0 + 0.2 * i), NOTICES) for i in range(10)]
+    assert "position" in said[0][0].text
+    assert said[1:] == [[]] * 9
+
+
+def test_health_and_report_tell_what_is_flown():
+    component = fed()
+    component.services[topics.ENGAGE](100.0)
+    told = dict(component.report(100.0))
+    assert told[topics.MODE] == "leg"
+    assert told[topics.LAG] == pytest.approx(0.0, abs=0.1)
+    values = component.health(100.0).values
+    assert values["separation_m"] == "250.0"
+    assert values["wind_mps"] == "1.0"
+    component.handle(topics.MONITOR, MonitorReport("escape", "sent away"), 100.2)
+    component.tick(100.2)
+    assert component.health(100.2).problem == "monitor: sent away"
+
+
+def test_an_autopilot_that_must_be_warned_of_is():
+    component = fed()
+    outputs = component.handle(topics.AUTOPILOT, {"NAVL1_PERIOD": 40.0, "FS_GCS_ENABL": 0.0}, 0.0)
+    assert of(outputs, NOTICES)[0].level == "warning"
+    component.set_clock_back()
+    assert component.planner.helicopter is None
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, 1000.0, math.nan])
+def test_a_rate_that_cannot_be_meant_is_named(rate):
+    with pytest.raises(ValueError, match="decision_rate_hz"):
+        PlannerComponent(CornerParameters(), MissionParameters(), rate_hz=rate)
