@@ -19,8 +19,9 @@ ruff check src test
 ruff format --check src test
 mypy
 [ $# -eq 0 ] || exec python -m pytest "$@"
-# What computes, on all cores; then what measures real processes, with the machine to itself. A test
-# that hangs ends its worker (--timeout), and a worker that dies ends the run.
+# What computes, on all cores; then what measures real processes, two tests at a time, each in a ROS
+# domain of its own. A test that hangs ends its worker (--timeout), and a worker that dies the run.
 timeout --kill-after=10 2400 python -m pytest -m "not graph and not proof" \
     --numprocesses auto --dist loadfile --max-worker-restart 0
-exec timeout --kill-after=10 2400 python -m pytest -m graph
+exec timeout --kill-after=10 2400 python -m pytest -m graph \
+    --numprocesses "$(($(nproc) < 2 ? 1 : 2))" --dist worksteal --max-worker-restart 0

@@ -1,15 +1,34 @@
 """Whole-graph tests: the real launcher, real processes, real DDS, real MAVLink sockets."""
 
-import itertools
+import fcntl
 import os
 import signal
 import subprocess
+import tempfile
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
-DOMAINS = itertools.count(20 + os.getpid() % 60)
+DOMAINS = range(10, 220)
+HELD = []
+
+
+def free_domain():
+    """Return a ROS domain that no other test of this machine has, in whatever process.
+
+    Held by a lock until this process ends: DDS remembers participants for a while.
+    """
+    for domain in DOMAINS:
+        lock = (Path(tempfile.gettempdir()) / f"sar_test_domain_{domain}").open("w")
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            lock.close()
+            continue
+        HELD.append(lock)
+        return domain
+    raise RuntimeError(f"no ROS domain of {DOMAINS} is free")
 
 
 class Launch:
@@ -19,7 +38,7 @@ class Launch:
         self.out = out
         self.environment = dict(
             os.environ,
-            ROS_DOMAIN_ID=str(next(DOMAINS)),
+            ROS_DOMAIN_ID=str(free_domain()),
             ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST",
             PYTHONUNBUFFERED="1",
         )
@@ -65,6 +84,16 @@ class Launch:
             except ProcessLookupError:
                 continue
         self.process.communicate()
+
+
+@pytest.fixture
+def own_domain():
+    """The environment of processes in a ROS domain of their own."""
+    return dict(
+        os.environ,
+        ROS_DOMAIN_ID=str(free_domain()),
+        ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST",
+    )
 
 
 @pytest.fixture

@@ -1,8 +1,6 @@
 """Two UAVs, each with planner, monitor and bridge in a namespace, behind one estimator."""
 
-import itertools
 import json
-import os
 import signal
 import socket
 import subprocess
@@ -13,7 +11,6 @@ import pytest
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(150)]
 ROOT = Path(__file__).parents[2]
-DOMAINS = itertools.count(195 + os.getpid() % 30)
 
 # The helicopter's receiver, the clock at four times real time, and two simulated autopilots, one on
 # either side of it. Both are engaged; what each was told, and where it is, in the end.
@@ -108,13 +105,8 @@ def free_ports(count):
 
 
 @pytest.fixture
-def graph(tmp_path):
+def graph(tmp_path, own_domain):
     """Start one estimator and two chains of nodes; give their environment and ports."""
-    environment = dict(
-        os.environ,
-        ROS_DOMAIN_ID=str(next(DOMAINS)),
-        ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST",
-    )
     ports = free_ports(2)
     wanted = [("sar_estimator", "estimator", "", {})]
     for name, port, side in (("uav1", ports[0], 1), ("uav2", ports[1], -1)):
@@ -136,12 +128,12 @@ def graph(tmp_path):
             running.append(
                 subprocess.Popen(
                     [str(program), "--ros-args", *options],
-                    env=environment,
+                    env=own_domain,
                     stdout=log,
                     stderr=subprocess.STDOUT,
                 )
             )
-    yield environment, ports
+    yield own_domain, ports
     for process in running:
         process.send_signal(signal.SIGINT)
     for process in running:

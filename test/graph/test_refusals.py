@@ -1,8 +1,6 @@
 """Planner and monitor as two processes: a list that is refused is noticed, and made again."""
 
-import itertools
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -12,7 +10,6 @@ import pytest
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(120)]
 ROOT = Path(__file__).parents[2]
-DOMAINS = itertools.count(130 + os.getpid() % 60)
 LASTS_S = 25.0
 RETRIES = 8  # every 2 s, and the laptop may be slow
 
@@ -98,12 +95,7 @@ print(json.dumps({"listed": listed, "refused": sorted(refused - {0})}))
 
 
 @pytest.fixture
-def nodes(tmp_path):
-    environment = dict(
-        os.environ,
-        ROS_DOMAIN_ID=str(next(DOMAINS)),
-        ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST",
-    )
+def nodes(tmp_path, own_domain):
     running = []
     for package, name, settings in (
         ("sar_planner", "planner", ()),
@@ -114,12 +106,12 @@ def nodes(tmp_path):
             running.append(
                 subprocess.Popen(
                     [str(program), "--ros-args", "-p", "use_sim_time:=true", *settings],
-                    env=environment,
+                    env=own_domain,
                     stdout=log,
                     stderr=subprocess.STDOUT,
                 )
             )
-    yield environment
+    yield own_domain
     for process in running:
         process.send_signal(signal.SIGINT)
     for process in running:
