@@ -3,15 +3,19 @@
 import ast
 import graphlib
 import re
+import runpy
 import subprocess
+import sys
 from dataclasses import fields
 from pathlib import Path
+from types import ModuleType, SimpleNamespace
 from xml.etree import ElementTree as ET
 
 import pytest
 import yaml
 
 from sar_bridge.monitor.separation_monitor import MonitorParameters
+from sar_estimator.common.wires import WIRES
 from sar_estimator.estimation.parameters import EstimatorParameters
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
@@ -157,3 +161,96 @@ def test_shipped_parameter_file_names_only_known_parameters():
     document = yaml.safe_load((ROOT / "config/params.yaml").read_text("utf-8"))
     for block in document.values():
         assert set(block["ros__parameters"]) <= known
+
+
+KEYS = {
+    "filterpy": "python3-filterpy-pip",
+    "matplotlib": "python3-matplotlib",
+    "numba": "python3-numba",
+    "numpy": "python3-numpy",
+    "pymap3d": "python3-pymap3d",
+    "pymavlink": "python3-pymavlink-pip",
+    "rosbags": "python3-rosbags-pip",
+    "scipy": "python3-scipy",
+    "serial": "python3-serial",
+    "shapely": "python3-shapely",
+    "tqdm": "python3-tqdm",
+    "yaml": "python3-yaml",
+}
+ROS = re.compile(r"\w+_(msgs|srvs|interfaces)|rclpy|ament_index_python|sar_\w+")
+
+
+@pytest.mark.parametrize("package", ["sar_estimator", "sar_planner", "sar_bridge", "sar_sim"])
+def test_a_manifest_names_what_is_imported_and_nothing_else(package):
+    folder = ROOT / "src" / package
+    names = set()
+    for path in SOURCES:
+        if path.is_relative_to(folder):
+            names |= {name.partition(".")[0] for name in imported(path)}
+    wanted = {KEYS[name] for name in names & KEYS.keys()}
+    wanted |= {name for name in names if ROS.fullmatch(name)} - {package}
+    found = {one.text for one in ET.parse(folder / "package.xml").getroot().iter("exec_depend")}
+    assert found == wanted
+
+
+def executables():
+    return {
+        (setup.parent.name, name)
+        for setup in (ROOT / "src").glob("*/setup.py")
+        for name in re.findall(r'"(\w+) = [\w.]+:main"', setup.read_text(encoding="utf-8"))
+    }
+
+
+@pytest.mark.parametrize(
+    ("given", "names"),
+    [
+        ({}, ["estimator", "planner", "monitor", "bridge"]),
+        ({"bag": "b"}, ["estimator", "planner", "monitor", "bridge", "record"]),
+        ({"estimator": "false", "namespace": "uav2"}, ["planner", "monitor", "bridge"]),
+    ],
+)
+def test_the_launch_file_starts_what_there_is(monkeypatch, given, names):
+    """Run with stand-ins: launch_ros is only there where ROS is installed."""
+    launch, actions, substitutions, ros = (ModuleType(name) for name in "abcd")
+    launch.LaunchContext, launch.LaunchDescription = dict, list
+    actions.DeclareLaunchArgument = lambda name, **_: name
+    actions.OpaqueFunction = lambda function: function
+    substitutions.LaunchConfiguration = lambda name: SimpleNamespace(
+        perform=lambda context: context[name]
+    )
+    ros.Node = SimpleNamespace
+    for name, module in (
+        ("launch", launch),
+        ("launch.actions", actions),
+        ("launch.substitutions", substitutions),
+        ("launch_ros", ModuleType("launch_ros")),
+        ("launch_ros.actions", ros),
+    ):
+        monkeypatch.setitem(sys.modules, name, module)
+    found = runpy.run_path(str(ROOT / "src/sar_sim/launch/formation.launch.py"))
+    *declared, function = found["generate_launch_description"]()
+    assert declared == list(found["ARGUMENTS"])
+    values = {name: default for name, (default, _) in found["ARGUMENTS"].items()} | given
+    started = function(values)
+    assert [one.executable for one in started] == names
+    assert {(one.package, one.executable) for one in started} <= executables()
+    led = [one for one in started if one.executable in ("planner", "monitor", "bridge")]
+    assert {one.namespace for one in led} == {values["namespace"]}
+
+
+@pytest.mark.parametrize("file", ["rviz/formation.rviz", "foxglove/formation.json"])
+def test_what_is_shown_is_published(file):
+    text = (ROOT / "config" / file).read_text(encoding="utf-8")
+    assert isinstance(yaml.safe_load(text), dict)
+    shown = set(re.findall(r"(?<![\w<])(/[a-z]+(?:/[a-z]+)?)(?=[\s\".])", text))
+    assert shown
+    assert shown <= set(WIRES)
+
+
+def test_hooks_run_what_the_tests_run():
+    hooks = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text(encoding="utf-8"))
+    entries = [hook["entry"] for repo in hooks["repos"] for hook in repo["hooks"]]
+    script = (ROOT / "run_tests.sh").read_text(encoding="utf-8")
+    for tool in ("ruff check", "ruff format --check", "mypy"):
+        assert any(tool in entry for entry in entries)
+        assert tool in script

@@ -18,6 +18,7 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}/launch", ["launch/formation.launch.py"]),
     ],
     install_requires=["setuptools"],
     extras_require={"test": ["pytest"]},
