@@ -1,5 +1,11 @@
 """Settings of all tests."""
 
+import fcntl
+import os
+import tempfile
+from pathlib import Path
+
+import pytest
 from hypothesis import settings
 
 # How long an example takes is measured in benchmarks, never in a test. Every run draws the same
@@ -7,3 +13,43 @@ from hypothesis import settings
 settings.register_profile("explore", deadline=None)
 settings.register_profile("seeded", deadline=None, derandomize=True)
 settings.load_profile("seeded")
+
+DOMAINS = range(100, 220)
+HELD = []
+
+
+def free_domain():
+    """Return a ROS domain that no other test of this machine has, in whatever process.
+
+    Held by a lock until this process ends: DDS remembers participants for a while.
+    """
+    for domain in DOMAINS:
+        lock = (Path(tempfile.gettempdir()) / f"sar_test_domain_{domain}").open("w")
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            lock.close()
+            continue
+        HELD.append(lock)
+        return domain
+    raise RuntimeError(f"no ROS domain of {DOMAINS} is free")
+
+
+@pytest.fixture
+def new_environment():
+    """A function that gives the environment of processes in a ROS domain of their own."""
+
+    def make():
+        return dict(
+            os.environ,
+            ROS_DOMAIN_ID=str(free_domain()),
+            ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST",
+        )
+
+    return make
+
+
+@pytest.fixture
+def own_domain(new_environment):
+    """The environment of processes in a ROS domain of their own."""
+    return new_environment()

@@ -1,47 +1,21 @@
 """Whole-graph tests: the real launcher, real processes, real DDS, real MAVLink sockets."""
 
-import fcntl
 import os
 import signal
 import subprocess
-import tempfile
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
-DOMAINS = range(10, 220)
-HELD = []
-
-
-def free_domain():
-    """Return a ROS domain that no other test of this machine has, in whatever process.
-
-    Held by a lock until this process ends: DDS remembers participants for a while.
-    """
-    for domain in DOMAINS:
-        lock = (Path(tempfile.gettempdir()) / f"sar_test_domain_{domain}").open("w")
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            lock.close()
-            continue
-        HELD.append(lock)
-        return domain
-    raise RuntimeError(f"no ROS domain of {DOMAINS} is free")
 
 
 class Launch:
     """One run of the installed launcher, in its own ROS domain."""
 
-    def __init__(self, out, *options, before=()):
+    def __init__(self, out, environment, *options, before=()):
         self.out = out
-        self.environment = dict(
-            os.environ,
-            ROS_DOMAIN_ID=str(free_domain()),
-            ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST",
-            PYTHONUNBUFFERED="1",
-        )
+        self.environment = dict(environment, PYTHONUNBUFFERED="1")
         program = ROOT / "install" / "sar_sim" / "lib" / "sar_sim" / "launch"
         self.process = subprocess.Popen(
             [*before, str(program), "--out", str(out), *options],
@@ -87,21 +61,12 @@ class Launch:
 
 
 @pytest.fixture
-def own_domain():
-    """The environment of processes in a ROS domain of their own."""
-    return dict(
-        os.environ,
-        ROS_DOMAIN_ID=str(free_domain()),
-        ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST",
-    )
-
-
-@pytest.fixture
-def launch(tmp_path):
+def launch(tmp_path, new_environment):
     running = []
 
     def start(*options, name="run", before=()):
-        running.append(Launch(tmp_path / name, *options, before=before))
+        one = Launch(tmp_path / name, new_environment(), *options, before=before)
+        running.append(one)
         return running[-1]
 
     yield start

@@ -234,7 +234,7 @@ def test_bad_parameter_of_a_node_ends_the_run_with_its_line(launch, tmp_path, no
     assert message in errors
 
 
-def test_a_simulation_that_flies_alone_names_what_it_did_not_hear():
+def test_a_simulation_that_flies_alone_names_what_it_did_not_hear(own_domain):
     sim = ROOT / "install/sar_sim/lib/sar_sim/sim"
     scenario = ROOT / "config/scenarios/paper.yaml"
     given = [item for name, value in
@@ -242,7 +242,7 @@ def test_a_simulation_that_flies_alone_names_what_it_did_not_hear():
              for item in ("-p", f"{name}:={value}")]  # fmt: skip
     ended = subprocess.run(
         [str(sim), "--ros-args", *given],
-        env=dict(os.environ, ROS_DOMAIN_ID="98"),
+        env=own_domain,
         capture_output=True, text=True, timeout=30, check=False,
     )  # fmt: skip
     assert ended.returncode == 2
@@ -252,9 +252,9 @@ def test_a_simulation_that_flies_alone_names_what_it_did_not_hear():
     )
 
 
-def test_operator_and_nodes_run_one_by_one(launch, tmp_path):
+def test_operator_and_nodes_run_one_by_one(own_domain):
     """Installed executables started by hand, as ``ros2 run`` does."""
-    environment = dict(os.environ, ROS_DOMAIN_ID="99", ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST")
+    environment = own_domain
     planner = subprocess.Popen(
         [str(ROOT / "install/sar_planner/lib/sar_planner/planner")],
         env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
@@ -280,22 +280,22 @@ def test_operator_and_nodes_run_one_by_one(launch, tmp_path):
     assert "Traceback" not in errors
 
 
-def play(bag, *options, domain="98"):
+def play(bag, environment, *options):
     program = str(ROOT / "install/sar_sim/lib/sar_sim/play")
     return subprocess.run(
         [program, str(bag), *options], capture_output=True, text=True, timeout=100, check=False,
-        env=dict(os.environ, ROS_DOMAIN_ID=domain, ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST"),
+        env=environment,
     )  # fmt: skip
 
 
-def test_played_bag_drives_a_live_estimator(launch, tmp_path):
+def test_played_bag_drives_a_live_estimator(own_domain, tmp_path):
     """What was recorded offline is played at 20 times its pace; the estimator sees the corners."""
     fly = str(ROOT / "install/sar_sim/lib/sar_sim/fly")
     subprocess.run(
         [fly, "--scenario", "short", "--out", str(tmp_path / "flown"), "--quiet"],
         cwd=ROOT, check=True, capture_output=True, timeout=100,
     )  # fmt: skip
-    environment = dict(os.environ, ROS_DOMAIN_ID="97", ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST")
+    environment = own_domain
     library = ROOT / "install"
     commands = {
         "record": [library / "sar_sim/lib/sar_sim/record", "bag:=" + str(tmp_path / "bag")],
@@ -312,7 +312,7 @@ def test_played_bag_drives_a_live_estimator(launch, tmp_path):
     try:
         time.sleep(2.0)
         options = ("--rate", "20", "--topics", "/helicopter/fix")
-        played = play(tmp_path / "flown" / "bag", *options, domain="97")
+        played = play(tmp_path / "flown" / "bag", environment, *options)
         assert played.returncode == 0, played.stderr
         assert "messages played" in played.stdout
         time.sleep(1.0)
@@ -329,8 +329,8 @@ def test_played_bag_drives_a_live_estimator(launch, tmp_path):
     assert heard.count("decelerating") == 2
 
 
-def test_playing_no_bag_is_one_line(tmp_path):
-    played = play(tmp_path)
+def test_playing_no_bag_is_one_line(own_domain, tmp_path):
+    played = play(tmp_path, own_domain)
     assert played.returncode == 2
     assert played.stderr.count("\n") == 1
 

@@ -108,8 +108,8 @@ def test_a_flight_that_fails_is_one_line(monkeypatch, capsys):
 
 @pytest.mark.graph
 @pytest.mark.timeout(60)
-def test_memory_is_told_for_every_node(monkeypatch, tmp_path):
-    monkeypatch.setenv("ROS_DOMAIN_ID", "97")
+def test_memory_is_told_for_every_node(monkeypatch, own_domain, tmp_path):
+    monkeypatch.setenv("ROS_DOMAIN_ID", own_domain["ROS_DOMAIN_ID"])
     for name, value in (("SETTLING_S", 8.0), ("GROWN_S", 20.0), ("SAMPLE_S", 1.0)):
         monkeypatch.setattr(bench_cli, name, value)
     flown, *sizes = bench_cli.graph_memory(tmp_path, 0.02)
@@ -125,8 +125,8 @@ def test_memory_is_told_for_every_node(monkeypatch, tmp_path):
 
 @pytest.mark.graph
 @pytest.mark.timeout(60)
-def test_a_bare_chain_passes_on(monkeypatch):
-    monkeypatch.setenv("ROS_DOMAIN_ID", "98")
+def test_a_bare_chain_passes_on(monkeypatch, own_domain):
+    monkeypatch.setenv("ROS_DOMAIN_ID", own_domain["ROS_DOMAIN_ID"])
     monkeypatch.setattr("sar_sim.bench.probe_node.BARE_FIXES", 5)
     from sar_sim.bench.probe_node import bare_delays_s  # noqa: PLC0415 (ROS is started there)
 

@@ -35,7 +35,11 @@ HURRY, HURRYING = 1.3, 1.0
 
 @dataclass(frozen=True, slots=True)
 class Habits:
-    """How the helicopter is flown: V [m/s], a [m/s^2], the side it turns to (1 right, -1 left)."""
+    """How the helicopter is flown.
+
+    speed_mps: the speed V at which it cruises. accel_mps2: the acceleration a with which it brakes
+    and speeds up. turn_side: the side it turns to, 1 right, -1 left.
+    """
 
     speed_mps: float = 20.0
     accel_mps2: float = 2.0

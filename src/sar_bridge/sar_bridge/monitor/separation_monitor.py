@@ -53,22 +53,28 @@ ALERTS = tuple(Alert)
 
 @dataclass(frozen=True, slots=True)
 class MonitorParameters:
-    """Thresholds, horizontal [m] and times [s].
+    """Thresholds, horizontal [m], and times [s].
 
-    ``min_separation_m``: no list passes that leads closer within ``horizon_s``, the doubt
-    (``gate_sigmas`` standard deviations of both aircraft's positions, ``follow_sigma_m`` that of
-    the UAV's beside its predicted path) taken in its favour. ``caution_separation_m``,
-    ``warning_separation_m``: what is told when the list being flown leads closer within
-    ``alert_horizon_s``, for ``alert_after_s``. ``escape_separation_m``: the UAV is sent away when
-    it leads closer in anything possible within ``possible_horizon_s``, the doubt (``guard_sigmas``)
-    against it; or in what is likely within ``escape_horizon_s``, the doubt in its favour, and the
-    planner has not led it elsewhere for ``escape_after_s``. None for a share of
-    ``min_separation_m``. ``clear_s``: how long all must be well before the planner leads again.
-    ``escape_delay_s``: from the choice of an escape until the UAV turns. ``escape_climb_m``: how
-    far it climbs where that separates more. ``escape_reach_m``: how far away it ends. ``stale_s``:
-    the age of a position from which on no list passes; ``lost_s``: for how long nothing sure may
-    be known of the helicopter before the UAV is sent away.
-    ``watch_only``: say all this and do nothing, to see what a planner does by itself.
+    min_separation_m: no list passes that leads closer within horizon_s.
+    gate_sigmas: standard deviations of both positions that are taken in a list's favour.
+    follow_sigma_m: standard deviation of the UAV beside its predicted path.
+    caution_separation_m, warning_separation_m: told when the list being flown leads closer within
+    alert_horizon_s; None for a share of the least.
+    escape_separation_m: the UAV is sent away when it leads closer; None for a share of the least.
+    guard_sigmas: standard deviations that are taken against what is possible.
+    horizon_s: how far ahead a list is looked at before it passes.
+    alert_horizon_s: how far ahead the list being flown is looked at.
+    escape_horizon_s: how far ahead what is likely of the helicopter is a reason to be sent away.
+    possible_horizon_s: how far ahead anything possible of it is.
+    alert_after_s: how long it must be so before it is told.
+    escape_after_s: how long what is likely must be so, while the planner leads nowhere else.
+    clear_s: how long all must be well before the planner leads again.
+    escape_delay_s: from the choice of an escape until the UAV turns.
+    escape_climb_m: how far it climbs where that separates more.
+    escape_reach_m: how far away an escape ends.
+    stale_s: age of a position from which on no list passes.
+    lost_s: how long nothing sure may be known of the helicopter before the UAV is sent away.
+    watch_only: say all this and do nothing, to see what a planner does by itself.
     """
 
     min_separation_m: float = 200.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import signal
 import socket
 import sys
@@ -72,12 +73,16 @@ def report_each_second(node: Node, report: Callable[[], None]) -> None:
     node.create_timer(REPORT_TICK_S, on_timer)
 
 
-def parameter(node: Node, name: str, default: Any) -> Any:
+def parameter(node: Node, name: str, default: Any, description: str = "") -> Any:
     """Declare a parameter with its default and return its value; whole numbers serve as floats.
 
-    Raises ``ValueError`` naming the parameter when the value has another type.
+    It cannot be changed in flight: nodes read their parameters when they start. Raises
+    ``ValueError`` naming the parameter when the value has another type.
     """
-    node.declare_parameter(name, default, ParameterDescriptor(dynamic_typing=True))
+    descriptor = ParameterDescriptor(
+        name=name, description=description, dynamic_typing=True, read_only=True
+    )
+    node.declare_parameter(name, default, descriptor)
     value = node.get_parameter(name).value
     if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
         return float(value)
@@ -91,18 +96,37 @@ def parameter(node: Node, name: str, default: Any) -> Any:
 def parameters(node: Node, kind: type[Any], **defaults: Any) -> Any:
     """Return a dataclass filled from parameters of the same names (tuples as lists).
 
-    A field whose default is None is a number that is not set while it is 0.
+    A field whose default is None is a number that is not set while it is 0. Each is described as
+    in the docstring of the dataclass.
     """
     values = {}
+    described = descriptions(kind)
     for item in fields(kind):
-        default = defaults.get(item.name, item.default)
+        default, text = defaults.get(item.name, item.default), described.get(item.name, "")
         if default is None:
-            values[item.name] = parameter(node, item.name, 0.0) or None
+            values[item.name] = parameter(node, item.name, 0.0, text) or None
         elif isinstance(default, tuple):
-            values[item.name] = tuple(parameter(node, item.name, list(default)))
+            values[item.name] = tuple(parameter(node, item.name, list(default), text))
         else:
-            values[item.name] = parameter(node, item.name, default)
+            values[item.name] = parameter(node, item.name, default, text)
     return kind(**values)
+
+
+def descriptions(kind: type[Any]) -> dict[str, str]:
+    """Return what the docstring of a dataclass says of its fields, by name.
+
+    As ``name: text`` or ``name, other: text``, which ends where the next name is described.
+    """
+    text = " ".join((kind.__doc__ or "").replace("``", "").split())
+    names = "|".join(re.escape(item.name) for item in fields(kind))
+    heads = list(re.finditer(rf"(?:(?:{names}), )*(?:{names}): ", text))
+    found: dict[str, str] = {}
+    ends = [*(head.start() for head in heads[1:]), len(text)]
+    for head, end in zip(heads, ends, strict=False):
+        said = text[head.end() : end].strip().rstrip(".;,")
+        for name in re.findall(names, head.group()):
+            found.setdefault(name, said)
+    return found
 
 
 def refuse_unknown_parameters(node: Node) -> None:

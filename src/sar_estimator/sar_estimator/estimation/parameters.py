@@ -20,8 +20,8 @@ class EstimatorParameters:
     restart_after_s: gap after which the filter starts again. accel_tau_s, cruise_accel_sigma_mps2,
     turn_accel_sigma_mps2: Singer model on legs and in corners. wander_prior_mps: rms
     velocity with which a pilot is taken to wander before he was seen to fly, to a factor of three.
-    detect_log_bayes: evidence for a corner that is called a detection, and how
-    much more without velocities. accel_prior_mps2,
+    detect_log_bayes: evidence for a corner that is called a detection.
+    detect_positions_extra: how much more it takes without velocities. accel_prior_mps2,
     accel_prior_spread: deceleration expected before any corner was seen. min_cruise_mps: slowest
     speed taken for a leg. speed_noise_mps: pilot's own speed variation, added to Doppler noise.
     """
