@@ -14,7 +14,7 @@ from xml.etree import ElementTree as ET
 import pytest
 import yaml
 
-from sar_bridge.monitor.separation_monitor import MonitorParameters
+from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.wires import WIRES
 from sar_estimator.estimation.parameters import EstimatorParameters
 from sar_planner.parameters.corner import CornerParameters

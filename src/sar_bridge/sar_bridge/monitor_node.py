@@ -8,7 +8,7 @@ from rclpy.node import Node
 
 from sar_bridge.monitor.component import MonitorComponent
 from sar_bridge.monitor.helicopter_hypotheses import Habits
-from sar_bridge.monitor.separation_monitor import MonitorParameters
+from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.component_node import ComponentNode
 from sar_estimator.common.node_support import parameter, parameters, run_node
 

@@ -7,7 +7,7 @@ import pytest
 
 from sar_bridge.monitor.component import MonitorComponent
 from sar_bridge.monitor.helicopter_hypotheses import Habits
-from sar_bridge.monitor.separation_monitor import MonitorParameters
+from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common import topics
 from sar_estimator.common.component import NOTICES
 from sar_estimator.common.geodesy import Datum
@@ -108,12 +108,12 @@ def test_its_state_is_told_when_it_changes():
 
 def test_heights_and_what_was_uploaded_are_heeded():
     component = fed(monitor())
-    assert component.monitor.above_m == pytest.approx(150.0 - 50.0)
+    assert component.monitor.outlook.above_m == pytest.approx(150.0 - 50.0)
     component.handle(topics.WAYPOINTS, listed(SLOT, 7), 100.0)
     assert not component.monitor.guarding
     component.handle(topics.UPLOADED, Uploaded(7), 100.0)
     assert component.monitor.guarding
-    assert component.monitor.tuning.period_s == 17.0
+    assert component.monitor.outlook.tuning.period_s == 17.0
 
 
 def test_a_corner_has_the_covariance_that_came_before_it():

@@ -8,13 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sar_bridge.monitor.alerts import Alert
+from sar_bridge.monitor.gate import Offered
 from sar_bridge.monitor.helicopter_hypotheses import Habits
-from sar_bridge.monitor.separation_monitor import (
-    Alert,
-    MonitorParameters,
-    Offered,
-    SeparationMonitor,
-)
+from sar_bridge.monitor.parameters import MonitorParameters
+from sar_bridge.monitor.separation_monitor import SeparationMonitor
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import LegEstimate, Motion, Phase
 
@@ -115,7 +113,13 @@ def test_a_list_is_predicted_at_the_speed_it_is_planned_with_within_reason():
     verdicts = []
     for speed in (None, 16.5, 23.5, 60.0):
         bench = Bench(uav=(250.0, -250.0), gate_sigmas=0.0)
-        path = bench.monitor._path(Offered(across, speed).route(bench.uav), bench.now_s, 30.0)
+        path = bench.monitor.outlook.path(
+            Offered(across, speed).route(bench.uav),
+            bench.now_s,
+            30.0,
+            is_flown=False,
+            escaping=False,
+        )
         verdicts.append(float(path[-1, 1]))
     unknown, slow, fast, absurd = verdicts
     assert slow < unknown - 60.0 < unknown + 60.0 < fast
@@ -248,7 +252,7 @@ def test_an_escape_climbs_where_that_separates_more_and_not_into_the_helicopter(
     for above_m, climbs in ((0.0, True), (30.0, True), (-40.0, False)):
         bench = Bench(uav=(100.0, -150.0))
         bench.uav = bench.uav._replace(vx_mps=0.0, vy_mps=20.0)
-        bench.monitor.above_m = above_m
+        bench.monitor.set_above(above_m)
         bench.tell()
         bench.monitor.set_flown(np.array([[100.0, 3000.0]]))
         (escape, *_) = bench.fly(1.0)
@@ -290,7 +294,7 @@ def test_a_wind_that_is_no_number_is_not_taken():
     bench = Bench()
     bench.monitor.set_wind((3.0, -2.0))
     bench.monitor.set_wind((math.nan, 0.0))
-    assert bench.monitor.wind_mps == (3.0, -2.0)
+    assert bench.monitor.outlook.wind_mps == (3.0, -2.0)
 
 
 def test_a_conflict_that_the_planner_ends_in_time_is_no_reason_to_send_it_away():
@@ -444,25 +448,6 @@ def test_thresholds_are_shares_of_the_least_separation():
         "warning_separation_m": 75.0,
         "escape_separation_m": 65.0,
     }
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"escape_separation_m": 180.0}, "escape_separation_m = 180: expected more than 0, at"),
-        ({"caution_separation_m": 250.0}, "caution_separation_m = 250: expected more than 0, at"),
-        ({"min_separation_m": 0.0}, "caution_separation_m = 0: expected more than 0"),
-        ({"clear_s": -1.0}, "clear_s = -1.0: expected 0 or more"),
-        ({"horizon_s": math.nan}, "horizon_s = nan: expected 0 or more"),
-        ({"escape_horizon_s": 50.0}, "escape_horizon_s = 50.0: expected at most"),
-        ({"horizon_s": 500.0}, "and that at most 300"),
-        ({"escape_delay_s": 25.0}, "escape_delay_s = 25.0: expected at most escape_horizon_s = 20"),
-    ],
-)
-def test_bad_parameters_are_named(changes, message):
-    with pytest.raises(ValueError, match="parameter") as error:
-        MonitorParameters(**changes)
-    assert message in str(error.value)
 
 
 @given(

@@ -12,7 +12,7 @@ from itertools import pairwise
 import pytest
 
 from sar_bridge.monitor.helicopter_hypotheses import Habits
-from sar_bridge.monitor.separation_monitor import MonitorParameters
+from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common import node_support
 from sar_estimator.estimation.parameters import EstimatorParameters
 from sar_planner.parameters.corner import CornerParameters
@@ -98,7 +98,7 @@ CHANGING = """
 import rclpy
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from sar_bridge.monitor.separation_monitor import MonitorParameters
+from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.node_support import parameters, start_ros
 
 start_ros()

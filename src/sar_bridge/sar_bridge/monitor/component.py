@@ -6,8 +6,10 @@ import math
 from typing import Any
 
 from sar_bridge.arduplane.l1_predictor import FollowerTuning
+from sar_bridge.monitor.alerts import Alert
 from sar_bridge.monitor.helicopter_hypotheses import Habits
-from sar_bridge.monitor.separation_monitor import Alert, MonitorParameters, SeparationMonitor
+from sar_bridge.monitor.parameters import MonitorParameters
+from sar_bridge.monitor.separation_monitor import SeparationMonitor
 from sar_estimator.common import topics
 from sar_estimator.common.component import NOTICES, Component, Notice, Outputs, keep
 from sar_estimator.common.geodesy import Datum
@@ -97,7 +99,7 @@ class MonitorComponent(Component):
 
     def _on_fix(self, fix: Fix, _now_s: float) -> Outputs:
         if math.isfinite(fix.altitude_m):
-            self.monitor.above_m = self._uav_up_m - (fix.altitude_m - self._datum_m)
+            self.monitor.set_above(self._uav_up_m - (fix.altitude_m - self._datum_m))
         return []
 
     def _on_datum(self, datum: Datum, _now_s: float) -> Outputs:
@@ -119,7 +121,7 @@ class MonitorComponent(Component):
         return []
 
     def _on_autopilot(self, values: dict[str, float], _now_s: float) -> Outputs:
-        self.monitor.tuning = FollowerTuning.read(values)
+        self.monitor.set_tuning(FollowerTuning.read(values))
         return []
 
     # Gate and guard ----------------------------------------------------------------------------

@@ -8,7 +8,8 @@ from typing import Any
 
 from sar_bridge.monitor.component import MonitorComponent
 from sar_bridge.monitor.helicopter_hypotheses import Habits
-from sar_bridge.monitor.separation_monitor import MonitorParameters, SeparationMonitor
+from sar_bridge.monitor.parameters import MonitorParameters
+from sar_bridge.monitor.separation_monitor import SeparationMonitor
 from sar_estimator.common import topics
 from sar_estimator.common.component import Component
 from sar_estimator.common.conversions import stamped_s, text_message

@@ -1,0 +1,75 @@
+"""The gate: which waypoint lists may be uploaded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sar_bridge.arduplane.l1_predictor import Route
+from sar_bridge.monitor.helicopter_hypotheses import Future
+from sar_bridge.monitor.outlook import NO_APPROACH, ClosestApproach, Outlook
+from sar_bridge.monitor.parameters import MonitorParameters
+from sar_estimator.common.states import FloatArray, Motion
+
+BETTER_M = 5.0  # that a list must keep more than the one being flown, where both come too near
+FARTHEST_M = 100_000.0
+
+
+@dataclass(frozen=True, slots=True)
+class Offered:
+    """A list, shape (n, 2) [m], and the ground speed it is planned with, None for V."""
+
+    points: FloatArray
+    speed_mps: float | None
+
+    def route(self, uav: Motion) -> Route:
+        """Return it as flown by a UAV from where it is."""
+        return Route(self.points, uav, speed_mps=self.speed_mps)
+
+
+class Gate:
+    """Says why a list may not pass."""
+
+    def __init__(self, parameters: MonitorParameters, outlook: Outlook) -> None:
+        """Judge by an outlook."""
+        self._p, self._outlook = parameters, outlook
+        self._escape_m = parameters.thresholds()["escape_separation_m"]
+
+    def refusal(
+        self, offered: Offered, now_s: float, *, flown: Route | None, escaping: bool
+    ) -> str:
+        """Return why a list may not pass, empty when it may; ``flown``: the list that is.
+
+        One that is better than what is flown passes even where it breaks the least separation.
+        """
+        points, outlook = offered.points, self._outlook
+        if len(points) == 0:
+            return "list without waypoints"
+        if not np.isfinite(points).all() or np.abs(points).max() > FARTHEST_M:
+            return f"list with a waypoint that is not within {FARTHEST_M:g} m"
+        away = "the UAV is being sent away" if escaping else ""
+        if obstacle := away or outlook.unknown(now_s):
+            return f"list refused: {obstacle}"
+        assert outlook.uav is not None
+        futures = outlook.futures(now_s)
+        ahead = self._near(offered.route(outlook.uav), futures, now_s, is_flown=False)
+        if ahead is NO_APPROACH:
+            return ""
+        held = flown or Route(np.empty((0, 2)), outlook.uav)
+        before = self._near(held, futures, now_s, is_flown=flown is not None)
+        better = ahead.distance_m > before.distance_m + BETTER_M
+        return "" if better else f"list refused: {ahead}"
+
+    def _near(
+        self, route: Route, futures: list[Future], now_s: float, *, is_flown: bool
+    ) -> ClosestApproach:
+        """Return how a route breaks what is asked for; ``NO_APPROACH`` where it does not."""
+        p, outlook = self._p, self._outlook
+        path = outlook.path(route, now_s, p.horizon_s, is_flown=is_flown, escaping=False)
+        near = outlook.apart(path, futures)
+        likely = outlook.closest(near, p.gate_sigmas, p.horizon_s, only_likely=True)
+        any_soon = outlook.closest(near, p.gate_sigmas, p.possible_horizon_s)
+        if any_soon.distance_m < self._escape_m:
+            return min(likely, any_soon, key=lambda one: one.distance_m)
+        return likely if likely.distance_m < p.min_separation_m else NO_APPROACH

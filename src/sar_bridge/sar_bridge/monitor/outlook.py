@@ -1,0 +1,146 @@
+"""What the monitor knows of both aircraft, and what it foretells of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sar_bridge.arduplane import l1_kernels
+from sar_bridge.arduplane.l1_predictor import STEP_S, FollowerTuning, Route, Vector, follow
+from sar_bridge.monitor.escapes import Apart, apart
+from sar_bridge.monitor.helicopter_hypotheses import Future, Habits, Helicopter
+from sar_bridge.monitor.parameters import MonitorParameters
+from sar_estimator.common.states import FloatArray, Motion, Phase
+
+LED_MPS = 4.0  # from the helicopter's speed, within which a UAV is led by speed
+LED_S = 15.0  # over which its own is averaged
+PLANNED_SHARE = 0.2  # of the helicopter's speed, within which a list's own is believed
+
+
+@dataclass(frozen=True, slots=True)
+class ClosestApproach:
+    """A closest approach in prediction: distance [m], in how long [s], and what would lead to it.
+
+    Distances are bounds: the doubt is taken off, or added, already.
+    """
+
+    distance_m: float
+    in_s: float
+    future: str
+
+    def __str__(self) -> str:
+        """Say it."""
+        return f"{self.distance_m:.0f} m in {self.in_s:.0f} s if the helicopter {self.future}"
+
+
+NO_APPROACH = ClosestApproach(math.inf, 0.0, "")
+
+
+class Outlook:
+    """Both aircraft as they were told of last, and where they may be.
+
+    ``tuning``: of the autopilot's guidance. ``above_m``: the UAV's height above the helicopter.
+    """
+
+    def __init__(self, parameters: MonitorParameters, habits: Habits) -> None:
+        """Know nothing yet."""
+        self.helicopter = Helicopter(habits)
+        self.tuning = FollowerTuning()
+        self.uav: Motion | None = None
+        self.wind_mps: Vector = (0.0, 0.0)
+        self.above_m = 0.0
+        self._p = parameters
+        count = round(parameters.horizon_s / STEP_S) + 1
+        self._times: FloatArray = STEP_S * np.arange(count, dtype=np.float64)
+        self._off_mps = 0.0
+
+    def set_uav(self, motion: Motion) -> None:
+        """Take the UAV's newest motion."""
+        if self.uav is not None and motion.time_s > self.uav.time_s:
+            share = -math.expm1((self.uav.time_s - motion.time_s) / LED_S)
+            off = motion.speed_mps - self.helicopter.cruise_mps
+            self._off_mps += share * (off - self._off_mps)
+        self.uav = motion
+
+    def set_wind(self, wind_mps: Vector) -> None:
+        """Take where the wind blows to, x and y [m/s]."""
+        if math.isfinite(math.hypot(*wind_mps)):
+            self.wind_mps = wind_mps
+
+    @property
+    def unseen(self) -> bool:
+        """Whether one of the aircraft was never seen yet."""
+        return self.uav is None or self.helicopter.motion is None
+
+    def unknown(self, now_s: float) -> str:
+        """Return which position is missing or old, empty when both are known."""
+        for name, motion in (("helicopter", self.helicopter.motion), ("UAV", self.uav)):
+            if motion is None:
+                return f"no {name} position"
+            age = now_s - motion.time_s
+            if age > self._p.stale_s:
+                return f"{name} position {age:.1f} s old (limit {self._p.stale_s:g} s)"
+        return "helicopter GPS lost" if self.helicopter.phase is Phase.LOST else ""
+
+    def futures(self, now_s: float) -> list[Future]:
+        """Return where the helicopter may be, every ``STEP_S`` from now on."""
+        return self.helicopter.futures(now_s, self._times)
+
+    def path(
+        self, route: Route, now_s: float, horizon_s: float, *, is_flown: bool, escaping: bool
+    ) -> FloatArray:
+        """Return where the UAV will be on a route, every ``STEP_S`` from now on, shape (n, 2).
+
+        It is taken to go to the speed planned for the route, or the helicopter's, as it is led,
+        while it is seen to; where it does not, or is sent away, to keep its airspeed.
+        """
+        uav = self.uav
+        assert uav is not None
+        led = not escaping and abs(self._off_mps) < LED_MPS
+        late_s = min(max(now_s - uav.time_s, 0.0), self._p.lost_s)
+        skipped = round(late_s / STEP_S)
+        cruise_mps = self._led_mps(route, is_flown=is_flown) if led else None
+        return self.follow(uav, route, cruise_mps, horizon_s + skipped * STEP_S)[skipped:]
+
+    def follow(
+        self, uav: Motion, route: Route, cruise_mps: float | None, horizon_s: float
+    ) -> FloatArray:
+        """Return where a UAV will be that follows a route from a motion."""
+        return follow(
+            uav,
+            route,
+            tuning=self.tuning,
+            cruise_mps=cruise_mps,
+            wind_mps=self.wind_mps,
+            horizon_s=horizon_s,
+        )
+
+    def _led_mps(self, route: Route, *, is_flown: bool) -> float:
+        """Return the speed it is led with; one far from the helicopter's is not believed."""
+        cruise, planned = self.helicopter.cruise_mps, route.speed_mps
+        if planned is None or abs(planned - cruise) > PLANNED_SHARE * cruise:
+            return cruise
+        if not is_flown:
+            return planned
+        seen = cruise + self._off_mps
+        return min(max(seen, (1.0 - PLANNED_SHARE) * cruise), (1.0 + PLANNED_SHARE) * cruise)
+
+    def apart(self, path: FloatArray, futures: list[Future]) -> list[Apart]:
+        """Return how far a path is from every future."""
+        return apart(path, futures, self._p.follow_sigma_m)
+
+    def closest(
+        self, near: list[Apart], sigmas: float, horizon_s: float, *, only_likely: bool = False
+    ) -> ClosestApproach:
+        """Return the closest approach to any future, ``sigmas`` standard deviations added."""
+        count = round(horizon_s / STEP_S) + 1
+        found = NO_APPROACH
+        for future, distance, sigma in near:
+            if only_likely and not future.likely:
+                continue
+            least, i = l1_kernels.closest(distance, sigma, sigmas, count)
+            if least < found.distance_m:
+                found = ClosestApproach(least, float(self._times[i]), future.name)
+        return found

@@ -1,0 +1,101 @@
+"""The guard by itself: when, which way, and until when."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sar_bridge.arduplane.l1_predictor import Route
+from sar_bridge.monitor.guard import RECHOOSE_S, Guard
+from sar_bridge.monitor.helicopter_hypotheses import Habits
+from sar_bridge.monitor.outlook import Outlook
+from sar_bridge.monitor.parameters import MonitorParameters
+from sar_estimator.common.states import Motion, Phase
+
+AT = np.array([[400.0, 0.0], [4000.0, 0.0]])
+BESIDE = np.array([[800.0, -250.0], [4000.0, -250.0]])
+
+
+class Bench:
+    """The helicopter flies along x, the UAV beside it, and towards it where ``vy`` says so."""
+
+    def __init__(self, points, *, uav_y=-250.0, vy=0.0, **changes):
+        self.parameters = MonitorParameters(**changes)
+        self.outlook = Outlook(self.parameters, Habits(20.0, 2.5, 1))
+        self.outlook.helicopter.phase = Phase.CRUISE
+        self.guard = Guard(self.parameters, self.outlook)
+        self.uav_y, self.vy = uav_y, vy
+        self.tell(0.0)
+        self.route = Route(points, self.outlook.uav)
+
+    def tell(self, now_s):
+        self.outlook.helicopter.set_motion(Motion(now_s, 20.0 * now_s, 0.0, 20.0, 0.0), 1.0, 0.1)
+        y = self.uav_y + self.vy * now_s
+        self.outlook.set_uav(Motion(now_s, 20.0 * now_s, y, 20.0, self.vy))
+
+    def look(self, now_s, *, escaping=False):
+        self.tell(now_s)
+        return self.guard.look(self.route, now_s, escaping=escaping)
+
+
+def test_beside_there_is_no_reason_and_nothing_is_near():
+    bench = Bench(BESIDE)
+    for second in range(20):
+        look = bench.look(float(second))
+        assert bench.guard.reason(look) == ""
+        assert look.nearest.distance_m > 200.0
+
+
+def test_what_comes_near_soon_is_a_reason_at_once():
+    bench = Bench(AT, uav_y=-120.0, vy=5.0)
+    assert "m in" in bench.guard.reason(bench.look(0.0))
+
+
+def test_what_comes_near_later_is_one_once_it_has_lasted():
+    bench = Bench(AT, uav_y=-330.0, possible_horizon_s=0.25)
+    near, reasons = [], []
+    for step in range(40):
+        look = bench.look(0.5 * step)
+        near.append(look.later.distance_m < 130.0)
+        reasons.append(bool(bench.guard.reason(look)))
+    lasted = [i >= 8 and all(near[i - 8 : i + 1]) for i in range(40)]  # escape_after_s
+    assert any(near[:8])
+    assert reasons.index(True) == lasted.index(True)
+
+
+def test_a_helicopter_that_is_lost_for_long_is_a_reason():
+    bench = Bench(np.array([[800.0, -600.0], [4000.0, -600.0]]), uav_y=-600.0)
+    bench.look(0.0)
+    bench.outlook.helicopter.phase = Phase.LOST
+    reasons = {second: bench.guard.reason(bench.look(float(second))) for second in (5, 16)}
+    assert "lost for 16 s" in reasons[16]
+    assert reasons[5] == ""
+
+
+@pytest.mark.parametrize("uav_y", [-130.0, 130.0])
+def test_the_way_out_leads_away_from_the_helicopter(uav_y):
+    bench = Bench(AT, uav_y=uav_y)
+    escape = bench.guard.way_out(bench.look(0.0))
+    (x, y) = escape.points[0]
+    assert math.hypot(x, y - uav_y) == pytest.approx(1500.0, rel=0.1)
+    assert y * uav_y > 0.0
+    assert abs(y) > 500.0
+
+
+def test_all_is_clear_after_a_while_and_not_while_it_is_near():
+    bench = Bench(BESIDE)
+    clear = [bench.guard.is_clear(bench.look(float(second))) for second in range(8)]
+    assert clear == [False] * 5 + [True] * 3
+    near = Bench(AT, uav_y=-120.0, vy=5.0)
+    assert not any(near.guard.is_clear(near.look(0.5 * step)) for step in range(10))
+
+
+def test_another_way_is_looked_for_now_and_then_and_taken_when_clearly_better():
+    bench = Bench(AT, uav_y=-150.0)
+    first = bench.guard.way_out(bench.look(0.0))
+    bench.route = Route(first.points, bench.outlook.uav)
+    assert bench.guard.better_way(bench.look(0.5 * RECHOOSE_S, escaping=True)) is None
+    toward = Bench(AT, uav_y=-150.0)
+    toward.guard.way_out(toward.look(0.0))
+    toward.route = Route(np.array([[300.0, 800.0]]), toward.outlook.uav)
+    assert toward.guard.better_way(toward.look(RECHOOSE_S, escaping=True)) is not None
