@@ -125,7 +125,7 @@ class BridgeNode(Node):
         if boot_s != self._told_boot_s and self._running:
             self._told_boot_s = boot_s
             self._uav_clock.publish(ClockMessage(clock=to_stamp(boot_s)))
-        uploaded = self._session.uploaded
+        uploaded = self._session.accepted
         if uploaded is not self._told_upload and uploaded is not None and self._running:
             self._told_upload = uploaded
             upload_ms = round(1e3 * uploaded.duration_s, 1)
@@ -218,7 +218,7 @@ class BridgeNode(Node):
     def _on_diagnostics(self) -> None:
         now = time.monotonic()
         with self._lock:
-            session, uploaded = self._session, self._session.uploaded
+            session, uploaded = self._session, self._session.accepted
             values = {
                 "mode": session.state.mode,
                 "armed": session.state.armed,

@@ -83,8 +83,8 @@ class LossyBench:
 def test_lists_arrive_whole_whatever_is_lost(loss, seed):
     bench = LossyBench(loss, seed)
     bench.session.set_list(LIST, 1.0, DATUM, bench.now)
-    bench.run(400.0, until=lambda: bench.session.uploaded is not None)
-    assert bench.session.uploaded.list_id == 1
+    bench.run(400.0, until=lambda: bench.session.accepted is not None)
+    assert bench.session.accepted.list_id == 1
     expected = waypoint_items(LIST, DATUM, 150.0)
     assert bench.autopilot.items[1 : len(expected)] == expected[1:]
     bench.run(20.0, until=lambda: bench.autopilot.mode is FlightMode.AUTO)
@@ -98,7 +98,7 @@ def test_a_newer_list_supersedes_one_under_way(loss):
     bench.run(1.0)
     newer = LIST + np.array((0.0, -40.0))
     bench.session.set_list(newer, 2.0, DATUM, bench.now)
-    done = lambda: bench.session.uploaded and bench.session.uploaded.list_id == 2  # noqa: E731
+    done = lambda: bench.session.accepted and bench.session.accepted.list_id == 2  # noqa: E731
     bench.run(600.0, until=done)
     assert done()
     points = [waypoint_items(which, DATUM, 150.0)[5:55] for which in (LIST, newer)]
@@ -111,12 +111,12 @@ def test_a_newer_list_supersedes_one_under_way(loss):
 def test_a_link_that_is_dead_is_given_up_and_told_and_tried_again():
     bench = LossyBench(1.0, 1)
     bench.session.set_list(LIST, 1.0, DATUM, bench.now)
-    failed = lambda: bench.session._upload.state is UploadState.FAILED  # noqa: E731
+    failed = lambda: bench.session.transfer.upload.state is UploadState.FAILED  # noqa: E731
     bench.run(60.0, until=failed)
     assert failed()
     assert bench.autopilot.items == []
     assert bench.autopilot.mode is FlightMode.GUIDED
     assert "heartbeat lost" in bench.session.problem(bench.now)
     bench.up.loss = bench.down.loss = 0.0
-    bench.run(120.0, until=lambda: bench.session.uploaded is not None)
-    assert bench.session.uploaded.list_id == 1
+    bench.run(120.0, until=lambda: bench.session.accepted is not None)
+    assert bench.session.accepted.list_id == 1

@@ -106,7 +106,7 @@ def test_first_list_is_uploaded_made_current_and_flown_from_guided(bench):
     assert bench.autopilot.mode is FlightMode.AUTO
     assert bench.autopilot.current == 1
     assert len(bench.autopilot.items) == 1 + BANKS * BANK_ITEMS
-    assert bench.session.uploaded.list_id == 1
+    assert bench.session.accepted.list_id == 1
     bench.run(5.0)
     assert bench.autopilot.state.y_m == pytest.approx(-250.0, abs=0.1)
 
@@ -141,7 +141,7 @@ def test_a_human_changing_the_mode_is_never_fought(bench):
     bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
     bench.run(1.5)
     bench.mode(FlightMode.LOITER)
-    assert bench.session.released
+    assert bench.session.guard.released
     assert "mode LOITER" in bench.session.problem(bench.now)
     before = len(bench.sent)
     bench.exchange(bench.session.set_list(LINE + 50.0, 2.0, DATUM, bench.now))
@@ -158,11 +158,11 @@ def test_a_new_engagement_after_a_release(bench):
     bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
     bench.run(1.5)
     bench.mode(FlightMode.GUIDED)
-    assert bench.session.released
+    assert bench.session.guard.released
     bench.exchange(bench.session.set_list(np.empty((0, 2)), 2.0, DATUM, bench.now))
     bench.exchange(bench.session.set_list(LINE, 3.0, DATUM, bench.now))
     assert bench.autopilot.mode is FlightMode.AUTO
-    assert not bench.session.released
+    assert not bench.session.guard.released
     assert bench.session.problem(bench.now) == ""
 
 
@@ -182,7 +182,7 @@ def test_lost_ack_of_auto_is_not_repeated_against_a_human(bench):
     bench.exchange(messages)
     bench.server._set_mode = real
     bench.mode(FlightMode.LOITER)
-    assert bench.session.released
+    assert bench.session.guard.released
     bench.run(8.0)
     assert bench.autopilot.mode is FlightMode.LOITER
 
@@ -344,7 +344,7 @@ def test_list_in_flight_goes_into_a_bank_and_is_joined_without_beginning_a_leg_a
     assert "COMMAND_LONG" not in kinds(bench, before)
     assert "MISSION_COUNT" not in kinds(bench, before)
     assert bench.autopilot.current == current
-    assert bench.session.uploaded.list_id == 2
+    assert bench.session.accepted.list_id == 2
     bench.run(20.0)
     assert bench.autopilot.current > BANK_ITEMS
     assert bench.autopilot.state.y_m == pytest.approx(-249.5, abs=0.3)
@@ -392,7 +392,7 @@ def test_list_that_comes_while_a_part_is_written_waits_for_it():
     assert [m.get_type() for m in first] == ["MISSION_WRITE_PARTIAL_LIST"]
     assert bench.session.set_list(LINE + 2.0, 3.0, DATUM, bench.now) == []
     bench.exchange(first)
-    assert bench.session.uploaded.list_id == 3
+    assert bench.session.accepted.list_id == 3
     assert bench.session.problem(bench.now) == ""
 
 
@@ -407,7 +407,7 @@ def test_part_that_is_refused_is_followed_by_the_whole():
     assert "refused" in bench.session.problem(bench.now)
     bench.run(2.0)
     assert "MISSION_COUNT" in kinds(bench, before)
-    assert bench.session.uploaded.list_id == 2
+    assert bench.session.accepted.list_id == 2
     assert bench.session.problem(bench.now) == ""
 
 
@@ -438,7 +438,7 @@ def test_an_autopilot_that_restarts_half_way_has_the_whole_list_at_last(partial)
     assert bench.server.transferring(bench.now)
     bench.server.restart(bench.now)
     bench.run(12.0)
-    assert bench.session.uploaded.list_id == 2
+    assert bench.session.accepted.list_id == 2
     assert bench.session.problem(bench.now) == ""
     wanted = [_place(item) for item in waypoint_items(LINE + 1.0, DATUM, 150.0)[1:]]
     held = [_place(item) for item in bench.autopilot.items]
@@ -496,5 +496,5 @@ def test_heartbeats_stop_while_a_list_is_flown_that_nobody_watches_over(bench):
     assert heartbeats(bench, 3.0) == 3
     bench.session.silent = "monitor"
     bench.mode(FlightMode.LOITER)  # a human took it
-    assert bench.session.released
+    assert bench.session.guard.released
     assert heartbeats(bench, 3.0) == 3

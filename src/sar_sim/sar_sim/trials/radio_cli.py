@@ -14,7 +14,8 @@ from collections import deque
 import numpy as np
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from sar_bridge.session.session import AutopilotSession, Messages
+from sar_bridge.session.list_transfer import Messages
+from sar_bridge.session.session import AutopilotSession
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import list_id_at
@@ -94,11 +95,11 @@ class Bench:
 
     def upload_s(self, points: np.ndarray) -> float:
         """Return how long a list, shape (n, 2), takes until it is flown; infinite if it fails."""
-        begun, before = self.now_s, self.session.uploaded
+        begun, before = self.now_s, self.session.accepted
         self._up.send(self.session.set_list(points, list_id_at(begun), DATUM, begun), begun)
-        while self.session.uploaded is before and self.now_s - begun < LONGEST_S:
+        while self.session.accepted is before and self.now_s - begun < LONGEST_S:
             self.step()
-        return math.inf if self.session.uploaded is before else self.now_s - begun
+        return math.inf if self.session.accepted is before else self.now_s - begun
 
 
 def measure(items: int, baud: float, latency_s: float, handling_s: float) -> tuple[float, float]:
