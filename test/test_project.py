@@ -116,11 +116,36 @@ def test_files_are_short(path):
     assert len(path.read_text(encoding="utf-8").splitlines()) <= limit
 
 
-def test_every_executable_is_documented():
+def test_every_executable_is_documented_and_nothing_else():
+    page = (ROOT / "docs/tools.md").read_text(encoding="utf-8")
+    table = page.partition("| package | tool |")[2].partition("\n\n")[0]
+    named = set(re.findall(r"^\| (?:`\w+` )?\| `(\w+)` \|", table, re.MULTILINE))
+    named |= set(re.findall(r"^\| `sar_\w+` \| `(\w+)` \|", table, re.MULTILINE))
+    assert named == {name for _, name in executables()}
+
+
+def test_the_readme_is_short_and_its_links_lead_somewhere():
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    for setup in (ROOT / "src").glob("*/setup.py"):
-        for name in re.findall(r'"(\w+) = [\w.]+:main"', setup.read_text(encoding="utf-8")):
-            assert f"`{name}" in readme or f" {name} " in readme, name
+    assert len(readme.split()) <= 1000
+    for page in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")]:
+        for link in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
+            assert (page.parent / link).exists(), (page.name, link)
+
+
+PAGES = [
+    "README.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    *(f"docs/{path.name}" for path in sorted((ROOT / "docs").glob("*.md"))),
+]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_lines_are_at_most_100_columns(page):
+    """But for tables, and what commands print."""
+    text = re.sub(r"```.*?```", "", (ROOT / page).read_text(encoding="utf-8"), flags=re.DOTALL)
+    for line in text.splitlines():
+        assert len(line) <= 100 or line.startswith(("|", "![")), line
 
 
 @pytest.mark.parametrize("script", ["launch.sh", "run_tests.sh", ".ci/run"])

@@ -42,6 +42,7 @@ setup(
             "report = sar_sim.report.report_cli:main",
             "faults = sar_sim.trials.faults_cli:main",
             "fly = sar_sim.flight.fly_cli:main",
+            "interfaces = sar_sim.report.interfaces_cli:main",
             "launch = sar_sim.launch.launch_cli:main",
         ],
     },

@@ -53,11 +53,12 @@ class Quality(StrEnum):
 class Wire:
     """One topic: its message type, quality, and conversions.
 
-    ``to_message(value, time_s)`` uses the time [s] for values that have none of their own.
+    ``what``: in words. ``to_message(value, time_s)`` uses the time [s] for values that have none.
     ``from_message`` raises ``ValueError`` for what is no such value. ``carried``: the value that
     comes out of the message that it goes into.
     """
 
+    what: str
     kind: type[Any]
     quality: Quality
     to_message: Callable[[Any, float], Any]
@@ -239,6 +240,7 @@ def _data(message: Any) -> Any:
 RELIABLE, LATCHED, SENSOR = Quality
 WIRES: dict[str, Wire] = {
     topics.FIX: Wire(
+        "position of the helicopter, 0.5 to 10 Hz",
         NavSatFix,
         SENSOR,
         lambda fix, _: conversions.fix_to_message(fix),
@@ -246,14 +248,18 @@ WIRES: dict[str, Wire] = {
         _same,
     ),
     topics.VELOCITY: Wire(
+        "its velocity in the map's axes, optional",
         TwistStamped,
         SENSOR,
         lambda v, _: conversions.velocity_message(v.time_s, v.vx_mps, v.vy_mps),
         _velocity,
         _same,
     ),
-    topics.DATUM: Wire(NavSatFix, LATCHED, conversions.datum_message, _datum, _same),
+    topics.DATUM: Wire(
+        "the map's origin", NavSatFix, LATCHED, conversions.datum_message, _datum, _same
+    ),
     topics.HELICOPTER_ODOMETRY: Wire(
+        "its motion, 5 Hz",
         Odometry,
         RELIABLE,
         lambda estimate, _: conversions.estimate_to_odometry(estimate),
@@ -261,6 +267,7 @@ WIRES: dict[str, Wire] = {
         _helicopter_carried,
     ),
     topics.HELICOPTER_ACCEL: Wire(
+        "its acceleration, 5 Hz",
         AccelWithCovarianceStamped,
         RELIABLE,
         lambda estimate, _: conversions.estimate_to_accel(estimate),
@@ -268,6 +275,7 @@ WIRES: dict[str, Wire] = {
         _same,
     ),
     topics.LEG: Wire(
+        "the leg being flown and its cruise speed",
         Odometry,
         RELIABLE,
         lambda leg, _: conversions.leg_to_odometry(leg),
@@ -275,6 +283,7 @@ WIRES: dict[str, Wire] = {
         _newest(conversions.leg_as_told),
     ),
     topics.CORNER: Wire(
+        "where it will stop, heading as it comes; stamped with the stop time",
         PoseWithCovarianceStamped,
         RELIABLE,
         lambda corner, _: conversions.corner_to_pose(corner),
@@ -282,19 +291,42 @@ WIRES: dict[str, Wire] = {
         lambda corner: corner.covariance,
     ),
     topics.PREDICTION: Wire(
+        "two stamped poses: onset of the slow-down, and stop",
         Path,
         RELIABLE,
         lambda corner, _: conversions.corner_to_path(corner),
         conversions.path_to_corner,
         _newest(lambda corner: conversions.path_to_corner(conversions.corner_to_path(corner))),
     ),
-    topics.PHASE: Wire(String, LATCHED, _text, _phase, _same),
-    topics.UAV_ODOMETRY: Wire(Odometry, RELIABLE, _uav_message, _uav, _uav_carried),
-    topics.UAV_STATE: Wire(
-        String, LATCHED, lambda status, _: _as_json(asdict(status), 0.0), _status, _same
+    topics.PHASE: Wire(
+        "cruise, decelerating, stopped, accelerating, lost", String, LATCHED, _text, _phase, _same
     ),
-    topics.AUTOPILOT: Wire(String, LATCHED, _as_json, _parameters, _same),
+    topics.UAV_ODOMETRY: Wire(
+        "the UAV's motion, stamped with the autopilot's own clock",
+        Odometry,
+        RELIABLE,
+        _uav_message,
+        _uav,
+        _uav_carried,
+    ),
+    topics.UAV_STATE: Wire(
+        "JSON: mode, armed, connected, led, airspeed_ratio",
+        String,
+        LATCHED,
+        lambda status, _: _as_json(asdict(status), 0.0),
+        _status,
+        _same,
+    ),
+    topics.AUTOPILOT: Wire(
+        "JSON: the autopilot's parameters, by ArduPlane's newer names",
+        String,
+        LATCHED,
+        _as_json,
+        _parameters,
+        _same,
+    ),
     topics.WIND: Wire(
+        "where the wind blows to, m/s",
         Vector3Stamped,
         RELIABLE,
         lambda wind, time_s: conversions.vector_message(time_s, *wind),
@@ -302,18 +334,59 @@ WIRES: dict[str, Wire] = {
         _same,
     ),
     topics.UPLOADED: Wire(
-        String, RELIABLE, lambda one, _: _as_json(one._asdict(), 0.0), _uploaded, _same
+        "JSON: the list that the autopilot has accepted, and how long it took",
+        String,
+        RELIABLE,
+        lambda one, _: _as_json(one._asdict(), 0.0),
+        _uploaded,
+        _same,
     ),
-    topics.WAYPOINTS: Wire(Path, LATCHED, _list_message, _list, _same),
-    topics.CLEARED: Wire(Path, LATCHED, _list_message, _list, _same),
-    topics.SPEED: Wire(Float64, LATCHED, _float, _data, _same),
-    topics.MODE: Wire(String, LATCHED, _text, _data, _same),
-    topics.LAG: Wire(Float64, RELIABLE, _float, _data, _same),
-    topics.CORNER_PLAN: Wire(String, RELIABLE, _as_json, _json, _same),
-    topics.MISSION: Wire(String, LATCHED, _as_json, _json, _same),
-    topics.MARKERS: Wire(MarkerArray, RELIABLE, lambda markers, _: markers, _same, _same),
+    topics.WAYPOINTS: Wire(
+        "the whole list, its identity in the stamp; empty withdraws it",
+        Path,
+        LATCHED,
+        _list_message,
+        _list,
+        _same,
+    ),
+    topics.CLEARED: Wire(
+        "the list that may be flown, or an escape; z: above the usual altitude",
+        Path,
+        LATCHED,
+        _list_message,
+        _list,
+        _same,
+    ),
+    topics.SPEED: Wire(
+        "the airspeed asked of the UAV, m/s", Float64, LATCHED, _float, _data, _same
+    ),
+    topics.MODE: Wire(
+        "idle, leg, rejoin, hold, or the rule being flown", String, LATCHED, _text, _data, _same
+    ),
+    topics.LAG: Wire("L in metres; in a corner L(k)", Float64, RELIABLE, _float, _data, _same),
+    topics.CORNER_PLAN: Wire(
+        "JSON: a decision at a corner", String, RELIABLE, _as_json, _json, _same
+    ),
+    topics.MISSION: Wire(
+        "JSON: the parameters that are flown with", String, LATCHED, _as_json, _json, _same
+    ),
+    topics.MARKERS: Wire(
+        "tracks, list and rule for RViz and Foxglove",
+        MarkerArray,
+        RELIABLE,
+        lambda markers, _: markers,
+        _same,
+        _same,
+    ),
     topics.MONITOR: Wire(
-        String, LATCHED, lambda report, _: _as_json(asdict(report), 0.0), _monitor, _same
+        "JSON: alert, reason, identity of a list that did not pass, thresholds, counts",
+        String,
+        LATCHED,
+        lambda report, _: _as_json(asdict(report), 0.0),
+        _monitor,
+        _same,
     ),
-    topics.DIAGNOSTICS: Wire(DiagnosticArray, RELIABLE, _health, _same, _same),
+    topics.DIAGNOSTICS: Wire(
+        "how every node is, 1 Hz", DiagnosticArray, RELIABLE, _health, _same, _same
+    ),
 }

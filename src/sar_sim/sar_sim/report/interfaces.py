@@ -1,0 +1,79 @@
+"""The text of ``docs/interfaces.md``: topics and services, from what nodes declare."""
+
+from __future__ import annotations
+
+from sar_bridge.monitor.component import MonitorComponent
+from sar_bridge.monitor.helicopter_hypotheses import Habits
+from sar_bridge.monitor.parameters import MonitorParameters
+from sar_estimator.common import topics
+from sar_estimator.common.component import Component
+from sar_estimator.common.wires import WIRES
+from sar_estimator.estimation.component import EstimatorComponent
+from sar_estimator.estimation.parameters import EstimatorParameters
+from sar_planner.component import PlannerComponent
+from sar_planner.parameters.corner import CornerParameters
+from sar_planner.parameters.mission import MissionParameters
+
+# What is no component: topics taken and given, beside those of components.
+OTHERS = {
+    "bridge": (
+        (topics.CLEARED, topics.SPEED, topics.DATUM, topics.DIAGNOSTICS),
+        (
+            topics.UAV_ODOMETRY,
+            topics.UAV_STATE,
+            topics.UPLOADED,
+            topics.AUTOPILOT,
+            topics.WIND,
+            topics.DIAGNOSTICS,
+        ),
+    ),
+    "receiver": ((), (topics.FIX, topics.VELOCITY)),
+}
+SHOWN = {"planner": (topics.MARKERS,)}
+REST = """
+Beside these: `/uav/clock` (rosgraph_msgs/Clock, the autopilot's time since boot, bridge to sim),
+`/clock`, and the truth that a simulation tells: `/sim/helicopter`, `/sim/uav`, `/sim/corner`,
+`/sim/scenario`.
+
+Services (std_srvs/Trigger): `/planner/engage`, `/planner/disengage`, `/bridge/return_home`.
+
+Topics in bold are the same for all UAVs. All others, and the services, are relative: with
+`--ros-args -r __ns:=/uav2` they are `/uav2/uav/odometry` and so on.
+
+Frame `map`: x east, y north, about the datum (REP-103, REP-105). NED and 1e7 degrees exist only
+inside the bridge.
+"""
+
+
+def _components() -> list[Component]:
+    return [
+        EstimatorComponent(EstimatorParameters()),
+        PlannerComponent(CornerParameters(), MissionParameters()),
+        MonitorComponent(MonitorParameters(), Habits()),
+    ]
+
+
+def interfaces_text() -> str:
+    """Return the page."""
+    takes = {one.name: tuple(one.inputs) for one in _components()}
+    gives = {one.name: (*one.outputs, *SHOWN.get(one.name, ())) for one in _components()}
+    for name, (taken, given) in OTHERS.items():
+        takes[name], gives[name] = taken, given
+    lines = [
+        "# Interfaces",
+        "",
+        "Written by `ros2 run sar_sim interfaces > docs/interfaces.md`, from what nodes declare.",
+        "",
+        "| topic | type | what it is | from | to | quality |",
+        "|---|---|---|---|---|---|",
+    ]
+    for topic, wire in WIRES.items():
+        package = wire.kind.__module__.partition(".")[0]
+        name = f"**`{topic}`**" if topic in topics.COMMON else f"`{topic}`"
+        givers = ", ".join(node for node, given in gives.items() if topic in given)
+        takers = ", ".join(node for node, taken in takes.items() if topic in taken)
+        lines.append(
+            f"| {name} | {package}/{wire.kind.__name__} | {wire.what} | {givers or 'every node'} | "
+            f"{takers or 'you'} | {wire.quality} |"
+        )
+    return "\n".join(lines) + "\n" + REST
