@@ -227,10 +227,10 @@ class BridgeNode(Node):
                 "link_breaks": self._link.breaks,
                 "upload_ms": "" if uploaded is None else f"{1e3 * uploaded.duration_s:.0f}",
             }
-            problem = session.problem(now)
+            problem, dead = session.problem(now), not session.connected(now)
             parameters = dict(session.parameters) if session.parameters_told else {}
             wind = session.state.wind.vector_mps
-        self._publish(topics.DIAGNOSTICS, Health("bridge", problem, values))
+        self._publish(topics.DIAGNOSTICS, Health("bridge", problem, values, severe=dead))
         if parameters and parameters != self._told_autopilot:
             self._told_autopilot = parameters
             self._publish(topics.AUTOPILOT, parameters)

@@ -93,6 +93,7 @@ def test_a_uav_that_flies_at_the_helicopter_is_sent_away_once_it_is_led():
         told += component.tick(now_s)
     assert of(told, topics.CLEARED)
     assert any(report.escaping for report in of(told, topics.MONITOR))
+    assert component.health(110.0).severe
     assert next(notice.level for notice in of(told, NOTICES)) == "error"
     idle = fed(monitor(), uav_y=-150.0)
     idle.handle(topics.UAV_STATE, UavStatus("MANUAL", armed=True, connected=True), 100.0)
@@ -130,7 +131,7 @@ def test_health_tells_the_thresholds_and_the_alert():
     component = fed(monitor())
     health = component.health(100.0)
     assert health.values["min_separation_m"] == 200.0
-    assert health.problem == ""
+    assert (health.problem, health.severe) == ("", False)
 
 
 @pytest.mark.parametrize("rate", [0.0, -1.0, 1000.0, math.nan])

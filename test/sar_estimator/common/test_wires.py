@@ -12,6 +12,7 @@ from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.reports import (
+    Health,
     MonitorReport,
     UavReport,
     UavStatus,
@@ -147,6 +148,17 @@ def test_a_report_is_not_changed_by_being_told():
     before = json.dumps(plain(report), default=dict)
     WIRES[topics.MONITOR].to_message(report, 0.0)
     assert json.dumps(plain(report), default=dict) == before
+
+
+@pytest.mark.parametrize(
+    ("problem", "severe", "level"),
+    [("", False, b"\x00"), ("slow", False, b"\x01"), ("lost", True, b"\x02"), ("", True, b"\x00")],
+)
+def test_health_is_ok_a_warning_or_an_error(problem, severe, level):
+    health = Health("monitor", problem, {"alert": "none"}, severe=severe)
+    (status,) = WIRES[topics.DIAGNOSTICS].to_message(health, 3.0).status
+    assert (status.level, status.message) == (level, problem or "ok")
+    assert [(value.key, value.value) for value in status.values] == [("alert", "none")]
 
 
 def test_what_all_uavs_share_is_absolute_and_all_else_relative():

@@ -76,7 +76,9 @@ def test_health_says_what_became_of_fixes():
     health = component.health(19.0)
     assert (health.name, health.problem) == ("estimator", "")
     assert health.values["accepted"] == 20
-    assert component.health(60.0).problem == "no usable GPS fix"
+    assert not health.severe
+    lost = component.health(60.0)
+    assert (lost.problem, lost.severe) == ("no usable GPS fix", True)
 
 
 def test_a_clock_set_back_begins_again():

@@ -187,4 +187,5 @@ class MonitorComponent(Component):
             **{str(name): count for name, count in monitor.counts.items()},
             **monitor.thresholds,
         }
-        return Health(self.name, monitor.reason or alert, values)
+        severe = monitor.escape is not None
+        return Health(self.name, monitor.reason or alert, values, severe=severe)

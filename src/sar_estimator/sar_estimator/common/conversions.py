@@ -429,11 +429,12 @@ def text_message(text: object) -> String:
 
 
 def diagnostics(
-    time_s: float, name: str, *, problem: str, values: dict[str, object]
+    time_s: float, name: str, *, problem: str, values: dict[str, object], severe: bool = False
 ) -> DiagnosticArray:
-    """Return one status: OK with no problem, else a warning that says it."""
+    """Return one status: OK with no problem, else a warning, or an error, that says it."""
+    wrong = DiagnosticStatus.ERROR if severe else DiagnosticStatus.WARN
     status = DiagnosticStatus(
-        level=DiagnosticStatus.WARN if problem else DiagnosticStatus.OK,
+        level=wrong if problem else DiagnosticStatus.OK,
         name=name,
         message=problem or "ok",
         hardware_id="sar_formation",

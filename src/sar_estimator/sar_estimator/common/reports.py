@@ -112,11 +112,15 @@ class Uploaded(NamedTuple):
 
 @dataclass(frozen=True)
 class Health:
-    """How a node is: what is wrong, empty when nothing is, and figures by name."""
+    """How a node is: what is wrong, empty when nothing is, and figures by name.
+
+    ``severe``: whether a flight must not go on so: an escape, a dead link, a lost GPS.
+    """
 
     name: str
     problem: str = ""
     values: Mapping[str, object] = field(default_factory=dict)
+    severe: bool = False
 
 
 def checked_parameters(values: Mapping[str, float]) -> dict[str, float]:

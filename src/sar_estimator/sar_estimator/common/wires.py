@@ -225,7 +225,11 @@ def _monitor(message: String) -> MonitorReport:
 
 def _health(health: Health, time_s: float) -> DiagnosticArray:
     return conversions.diagnostics(
-        time_s, health.name, problem=health.problem, values=dict(health.values)
+        time_s,
+        health.name,
+        problem=health.problem,
+        values=dict(health.values),
+        severe=health.severe,
     )
 
 

@@ -150,6 +150,7 @@ class EstimatorComponent(Component):
                 "refused_velocities": estimator.refused_velocities,
                 "withdrawn_corners": estimator.withdrawn_corners,
             },
+            severe=phase is Phase.LOST,
         )
 
     def set_clock_back(self) -> None:
