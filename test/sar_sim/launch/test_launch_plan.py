@@ -2,7 +2,13 @@ from pathlib import Path
 
 import pytest
 
-from sar_sim.launch.launch_plan import FlightOptions, parameter_document, plan_nodes, read_tuned
+from sar_sim.launch.launch_plan import (
+    FlightOptions,
+    leg_flown,
+    parameter_document,
+    plan_nodes,
+    read_tuned,
+)
 from sar_sim.scenario.scenario import Scenario, ScenarioError
 
 
@@ -118,3 +124,21 @@ def test_parameter_document_has_a_block_per_node():
     )
     document = parameter_document(specs)
     assert document["bridge"]["ros__parameters"]["autopilot_url"] == "udp:127.0.0.1:1"
+
+
+@pytest.mark.parametrize(
+    ("corner", "rule", "phase", "leg"),
+    [
+        (0, "leg", "cruise", 1),
+        (1, "D4", "decelerating", 1),
+        (1, "D4", "cruise", 1),
+        (1, "RJ", "accelerating", 1),
+        (1, "T2", "stopped", 1),
+        (1, "leg", "cruise", 2),
+        (1, "rejoin", "cruise", 2),
+        (2, "leg", "decelerating", 2),
+        (0, "leg", "decelerating", 1),
+    ],
+)
+def test_in_a_corner_the_leg_is_the_one_before_it(corner, rule, phase, leg):
+    assert leg_flown(corner, rule, phase) == leg

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from sar_planner.rules.paper_rules import Rule
 from sar_sim.scenario.options import RECORDED_FIX_SIGMA_M
 from sar_sim.scenario.scenario import Scenario, ScenarioError
 
@@ -172,3 +173,12 @@ def _is_value(value: object) -> bool:
     items = value if isinstance(value, list) else [value]
     alike = len({type(item) for item in items}) == 1
     return alike and isinstance(items[0], bool | int | float | str)
+
+
+def leg_flown(corner: int, rule: str, phase: str) -> int:
+    """Return the number of the leg that is flown, from 1: in a corner, of the one before it.
+
+    ``corner``: how many corners were told of. ``rule``, ``phase``: as told.
+    """
+    in_corner = rule in set(Rule) or phase == "decelerating"
+    return max(1, corner if in_corner else corner + 1)

@@ -15,6 +15,7 @@ from sar_estimator.common import topics
 from sar_estimator.common.conversions import from_stamp
 from sar_estimator.common.node_support import RELIABLE, start_ros
 from sar_sim.jobs.processes import folder_bytes
+from sar_sim.launch.launch_plan import leg_flown
 
 HANGS_S = 10.0
 SILENT_S = 2.0
@@ -73,11 +74,10 @@ class Watcher(Node):
         """Return progress in one line."""
         planner = self.values.get("planner", {})
         corner = int(planner.get("corner") or 0)
-        flying = planner.get("rule", "") in ("T1", "T2", "T3", "T4")
-        leg = corner if flying or planner.get("phase") == "decelerating" else corner + 1
+        leg = leg_flown(corner, planner.get("rule", ""), planner.get("phase", ""))
         parts = [
             f"t {planner.get('time_s', '–')} s",
-            f"leg {max(1, leg)}",
+            f"leg {leg}",
             f"corner k={corner}",
             f"rule {planner.get('rule', '–')}",
             f"L {planner.get('lag_m') or '–'} m",

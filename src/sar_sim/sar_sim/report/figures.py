@@ -22,6 +22,7 @@ from sar_sim.report.flight_data import FlightData
 from sar_sim.scenario.scenario import Sensor
 
 HELICOPTER, UAV, PLAN, GAP = "#c1440e", "#0b5394", "#2a9d8f", "#d62828"
+CUT_CORNERS = ("T1", "D1")
 RULE_MARKERS = {
     "T1": "s",
     "T2": "D",
@@ -91,7 +92,7 @@ def draw_map(data: FlightData, area: Coverage | None, out: Path) -> None:
 
 def corner_to_draw(data: FlightData) -> int | None:
     """Return the corner that is drawn close up: the first that cuts, else the first."""
-    cuts = [k for k, item in sorted(data.planned.items()) if item.last["rule"] == "T1"]
+    cuts = [k for k, item in sorted(data.planned.items()) if item.last["rule"] in CUT_CORNERS]
     return next(iter(cuts or sorted(data.planned)), None)
 
 
