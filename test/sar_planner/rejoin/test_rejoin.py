@@ -26,7 +26,7 @@ def task(start, name="cruise", separation=200.0):
     return RejoinTask(start, 0.0, (FORECASTS[name],), 100.0, 18.0, 22.0, separation)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(
     st.floats(300.0, 1500.0), st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi),
     st.sampled_from(sorted(FORECASTS)),

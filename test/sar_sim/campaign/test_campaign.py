@@ -144,21 +144,20 @@ def test_a_plan_that_is_wrong_is_refused_in_one_line(tmp_path, changes, message,
     assert capsys.readouterr().err.count("\n") == 1
 
 
-def test_the_same_rows_on_any_number_of_workers_and_when_resumed(tmp_path, capsys):
+RESULTS = ("rows.csv", "summary.csv", "summary.txt")
+
+
+def test_the_same_rows_on_any_number_of_workers(tmp_path, capsys):
     file = str(plan(tmp_path))
     one, two = tmp_path / "one", tmp_path / "two"
-    assert main([file, "--jobs", "1", "--out", str(one)]) == 0
-    assert main([file, "--jobs", "2", "--out", str(two), "--seeds", "1"]) == 0
-    begun = (two / "kept.jsonl").read_text()
-    capsys.readouterr()
-    assert main([file, "--jobs", "2", "--out", str(two), "--plot"]) == 0
-    assert (two / "kept.jsonl").read_text().startswith(begun)
-    for name in ("rows.csv", "summary.csv", "summary.txt"):
-        assert (one / name).read_bytes() == (two / name).read_bytes()
-    assert (two / "lags_3.png").stat().st_size > 5_000
+    assert main([file, "--jobs", "1", "--out", str(one), "--plot"]) == 0
     out = capsys.readouterr().out
     assert out == (one / "summary.txt").read_text()
     assert "deadbeat, sigma_m 3" in out
+    assert main([file, "--jobs", "2", "--out", str(two)]) == 0
+    for name in RESULTS:
+        assert (one / name).read_bytes() == (two / name).read_bytes()
+    assert (one / "lags_3.png").stat().st_size > 5_000
     with (one / "rows.csv").open() as text:
         rows = list(csv.DictReader(text))
     assert len(rows) == 8
@@ -171,7 +170,19 @@ def test_the_same_rows_on_any_number_of_workers_and_when_resumed(tmp_path, capsy
     first = found[0]
     low, mean, high = (float(first[f"separation_m{end}"]) for end in ("_low", "", "_high"))
     assert low < mean < high
-    # Another plan's results are not mixed with these.
+
+
+def test_the_same_rows_when_resumed_and_never_another_plans(tmp_path, capsys):
+    file = str(plan(tmp_path, vary={"rules": ["deadbeat", "follow"]}))
+    one, two = tmp_path / "one", tmp_path / "two"
+    assert main([file, "--jobs", "1", "--out", str(one)]) == 0
+    assert main([file, "--jobs", "1", "--out", str(two), "--seeds", "1"]) == 0
+    begun = (two / "kept.jsonl").read_text()
+    assert main([file, "--jobs", "1", "--out", str(two)]) == 0
+    assert (two / "kept.jsonl").read_text().startswith(begun)
+    for name in RESULTS:
+        assert (one / name).read_bytes() == (two / name).read_bytes()
+    capsys.readouterr()
     assert main([str(plan(tmp_path, seeds=3)), "--out", str(one)]) == 2
     assert "of another plan" in capsys.readouterr().err
 
