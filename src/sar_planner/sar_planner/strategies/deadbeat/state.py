@@ -30,6 +30,14 @@ OFF_PATH_M = 20.0  # beside its path, beyond which a UAV is not on it
 WATCH_S = 0.39  # between two looks: two decisions at 5 Hz, whatever their times round to
 DETECTION_S = 4.0  # from a corner's onset to its detection, as a rule
 
+NEEDS = {
+    Mode.LEG: (False, False),
+    Mode.HOLD: (False, False),
+    Mode.REJOIN: (False, True),
+    Mode.CORNER: (True, True),
+}
+"""Whether a mode has a corner, and a path."""
+
 
 @dataclass(frozen=True, slots=True)
 class State:
@@ -70,14 +78,8 @@ class State:
 
     def __post_init__(self) -> None:
         """Check that the mode has what it needs."""
-        expected = {
-            Mode.LEG: (False, False),
-            Mode.HOLD: (False, False),
-            Mode.REJOIN: (False, True),
-            Mode.CORNER: (True, True),
-        }
         has = self.corner is not None, self.path is not None
-        if expected.get(self.mode) != has:
+        if NEEDS.get(self.mode) != has:
             raise ValueError(f"{self.mode}: corner and path are {has}")
 
     @property

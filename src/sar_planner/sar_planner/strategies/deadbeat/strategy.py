@@ -37,10 +37,16 @@ class DeadbeatStrategy(Strategy):
         """Begin on a leg."""
         super().__init__(situation, corner, mission)
         self.state = State(PathEfficiency(mission.bias_gain))
+        self._reported: tuple[State, StrategyReport] | None = None
 
     @property
     def report(self) -> StrategyReport:
-        """What is told of the state."""
+        """What is told of the state, worked out once for each: it is asked for again and again."""
+        if self._reported is None or self._reported[0] is not self.state:
+            self._reported = self.state, self._report()
+        return self._reported[1]
+
+    def _report(self) -> StrategyReport:
         state = self.state
         notes = (state.problem, state.path_problem, state.corner_problem)
         return StrategyReport(
@@ -112,7 +118,7 @@ class DeadbeatStrategy(Strategy):
             self._mission,
             self.lists.air,
         )
-        decision = decide(replace(state, problem=""), tick)
+        decision = decide(state, tick)
         self.state = decision.state
         if decision.listing is None or self._s.uav is None:
             return None
@@ -123,7 +129,7 @@ def decide(state: State, tick: Tick) -> Decision:
     """Return what is to be done: the corner ahead first, then the path, then the leg."""
     situation = tick.situation
     given_up = situation.went_on and not state.went_on
-    state = replace(state, led_s=-math.inf, went_on=situation.went_on)
+    state = replace(state, problem="", led_s=-math.inf, went_on=situation.went_on)
     if not tick.forecasts:
         problem = "helicopter's leg not known: the UAV stays on its list"
         return Decision(replace(state, problem=problem))
