@@ -19,10 +19,11 @@ from std_srvs.srv import Trigger
 
 from sar_bridge.mavlink.link import Link
 from sar_bridge.mavlink.signing import Signer
+from sar_bridge.session.interface import INPUTS, OUTPUTS
 from sar_bridge.session.liveness import Liveness
 from sar_bridge.session.session import AutopilotSession
 from sar_estimator.common import topics
-from sar_estimator.common.component_node import QUALITIES
+from sar_estimator.common.component_node import publisher, subscribe
 from sar_estimator.common.conversions import motion_to_odometry, to_quaternion, to_stamp
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.node_support import (
@@ -36,14 +37,6 @@ from sar_estimator.common.reports import Health, UavStatus, Uploaded, WaypointLi
 from sar_estimator.common.wires import WIRES
 
 TICK_S = 0.05
-OUTPUTS = (
-    topics.UAV_ODOMETRY,
-    topics.UAV_STATE,
-    topics.UPLOADED,
-    topics.AUTOPILOT,
-    topics.WIND,
-    topics.DIAGNOSTICS,
-)
 WATCHED = ("planner", "monitor")
 
 
@@ -73,24 +66,19 @@ class BridgeNode(Node):
         self._running = True
         self._started_s = 0.0
         self._early_list: WaypointList | None = None
-        self._senders = {
-            topic: self.create_publisher(
-                WIRES[topic].kind, topics.name_of(topic), QUALITIES[WIRES[topic].quality]
-            )
-            for topic in OUTPUTS
-        }
+        self._senders = {topic: publisher(self, topic) for topic in OUTPUTS}
         self._uav_clock = self.create_publisher(
             ClockMessage, topics.name_of(topics.UAV_CLOCK), RELIABLE
         )
         self._told_autopilot: dict[str, float] = {}
-        for topic, callback in (
-            (topics.CLEARED, self._on_list),
-            (topics.DIAGNOSTICS, self._on_alive),
-            (topics.SPEED, self._on_speed),
-            (topics.DATUM, self._on_datum),
-        ):
-            quality = QUALITIES[WIRES[topic].quality]
-            self.create_subscription(WIRES[topic].kind, topics.name_of(topic), callback, quality)
+        takers = {
+            topics.CLEARED: self._on_list,
+            topics.SPEED: self._on_speed,
+            topics.DATUM: self._on_datum,
+            topics.DIAGNOSTICS: self._on_alive,
+        }
+        for topic in INPUTS:
+            subscribe(self, topic, takers[topic])
         home = topics.name_of(topics.RETURN_HOME)
         self.create_service(Trigger, home, self._on_return_home)
         wall = Clock(clock_type=ClockType.STEADY_TIME)

@@ -28,6 +28,18 @@ THROTTLE_S = 5.0
 CLOCK_STEP_S = 1.0
 
 
+def publisher(node: Node, topic: str) -> Any:
+    """Return a node's publisher of a topic, as the table has it."""
+    wire = WIRES[topic]
+    return node.create_publisher(wire.kind, topics.name_of(topic), QUALITIES[wire.quality])
+
+
+def subscribe(node: Node, topic: str, callback: Callable[[Any], None]) -> None:
+    """Have a node listen to a topic, as the table has it."""
+    wire = WIRES[topic]
+    node.create_subscription(wire.kind, topics.name_of(topic), callback, QUALITIES[wire.quality])
+
+
 class ComponentNode(Node):
     """Feeds a component with messages and the clock, and publishes what it gives."""
 
@@ -36,17 +48,9 @@ class ComponentNode(Node):
         super().__init__(name)
         self._component = make(self)
         self._newest_s = 0.0
-        self._senders: dict[str, Any] = {}
+        self._senders = {topic: publisher(self, topic) for topic in self._component.outputs}
         for topic in self._component.inputs:
-            wire = WIRES[topic]
-            self.create_subscription(
-                wire.kind, topics.name_of(topic), self._taker(topic), QUALITIES[wire.quality]
-            )
-        for topic in self._component.outputs:
-            wire = WIRES[topic]
-            self._senders[topic] = self.create_publisher(
-                wire.kind, topics.name_of(topic), QUALITIES[wire.quality]
-            )
+            subscribe(self, topic, self._taker(topic))
         for service, answer in self._component.services.items():
             self.create_service(Trigger, topics.name_of(service), self._server(service, answer))
         self.create_timer(self._component.period_s, self._on_timer)

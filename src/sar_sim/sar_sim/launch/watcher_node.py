@@ -12,8 +12,9 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from sar_estimator.common import topics
+from sar_estimator.common.component_node import subscribe
 from sar_estimator.common.conversions import from_stamp
-from sar_estimator.common.node_support import RELIABLE, start_ros
+from sar_estimator.common.node_support import start_ros
 from sar_sim.jobs.processes import folder_bytes
 from sar_sim.launch.launch_plan import leg_flown
 
@@ -32,9 +33,7 @@ class Watcher(Node):
         self.heard_s: dict[str, float] = {}
         self._newest_s = 0.0
         self._last_s = self._since_s = -math.inf
-        self.create_subscription(
-            DiagnosticArray, topics.name_of(topics.DIAGNOSTICS), self._on, RELIABLE
-        )
+        subscribe(self, topics.DIAGNOSTICS, self._on)
 
     def _on(self, message: DiagnosticArray) -> None:
         self._newest_s = from_stamp(message.header.stamp)

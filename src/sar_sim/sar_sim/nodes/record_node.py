@@ -8,16 +8,15 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosbags.rosbag2 import WriterError
 
 from sar_estimator.common import topics
+from sar_estimator.common.component_node import publisher
 from sar_estimator.common.conversions import diagnostics
 from sar_estimator.common.node_support import (
-    RELIABLE,
     now_s,
     parameter,
     report_each_second,
@@ -48,9 +47,7 @@ class RecordNode(Node):
         self._seen: set[str] = set()
         self._waiting: list[tuple[str, str, bytes, bool]] = []
         self._failure = ""
-        self._diagnostics = self.create_publisher(
-            DiagnosticArray, topics.name_of(topics.DIAGNOSTICS), RELIABLE
-        )
+        self._diagnostics = publisher(self, topics.DIAGNOSTICS)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DISCOVERY_PERIOD_S, self._discover, clock=wall)
         self.create_timer(FLUSH_PERIOD_S, self._flush, clock=wall)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from sar_bridge.monitor.component import MonitorComponent
 from sar_bridge.monitor.helicopter_hypotheses import Habits
 from sar_bridge.monitor.parameters import MonitorParameters
+from sar_bridge.session.interface import INPUTS, OUTPUTS
 from sar_estimator.common import topics
 from sar_estimator.common.component import Component
 from sar_estimator.common.wires import WIRES
@@ -16,17 +17,7 @@ from sar_planner.parameters.mission import MissionParameters
 
 # What is no component: topics taken and given, beside those of components.
 OTHERS = {
-    "bridge": (
-        (topics.CLEARED, topics.SPEED, topics.DATUM, topics.DIAGNOSTICS),
-        (
-            topics.UAV_ODOMETRY,
-            topics.UAV_STATE,
-            topics.UPLOADED,
-            topics.AUTOPILOT,
-            topics.WIND,
-            topics.DIAGNOSTICS,
-        ),
-    ),
+    "bridge": (INPUTS, OUTPUTS),
     "receiver": ((), (topics.FIX, topics.VELOCITY)),
 }
 SHOWN = {"planner": (topics.MARKERS,)}
