@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 from sar_bridge.arduplane.l1_predictor import FollowerTuning
@@ -89,7 +90,7 @@ class MonitorComponent(Component):
 
     def _on_corner(self, corner: CornerEstimate, _now_s: float) -> Outputs:
         if self._covariance is not None:
-            corner = corner.with_covariance(self._covariance)
+            corner = replace(corner, covariance=self._covariance)
         self.monitor.helicopter.corner = corner
         return []
 

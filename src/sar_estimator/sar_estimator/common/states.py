@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -125,10 +125,6 @@ class CornerEstimate:
         """Return by how much another estimate differs: in place, or in time at cruise [m]."""
         moved = math.hypot(other.stop.x_m - self.stop.x_m, other.stop.y_m - self.stop.y_m)
         return max(moved, abs(other.stop_time_s - self.stop_time_s) * self.speed_mps)
-
-    def with_covariance(self, covariance: FloatArray) -> CornerEstimate:
-        """Return the corner with another covariance of its stop, shape (2, 2) [m^2]."""
-        return replace(self, covariance=covariance)
 
     @property
     def onset_time_s(self) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Iterator
 from pathlib import Path
 
 from sar_estimator.common.gps_fix import Fix
@@ -18,20 +19,10 @@ def read_track(path: Path) -> list[Fix]:
     number, and for a file without rows.
     """
     fixes = []
-    with path.open(newline="", encoding="utf-8") as stream:
-        reader = csv.DictReader(stream)
-        names = reader.fieldnames or []
-        missing = [name for name in REQUIRED if name not in names]
-        if missing:
-            raise ValueError(f"{path}: no column {missing[0]}: expected {', '.join(REQUIRED)}")
-        for row in reader:
-            time, latitude, longitude = (
-                _number(path, reader.line_num, name, row[name]) for name in REQUIRED
-            )
-            altitude = _number(path, reader.line_num, "altitude_m", row.get("altitude_m") or "0")
-            fixes.append(Fix(time, latitude, longitude, altitude))
-    if not fixes:
-        raise ValueError(f"{path}: no rows: expected at least one fix")
+    for line, row in _rows(path):
+        time, latitude, longitude = (_number(path, line, name, row[name]) for name in REQUIRED)
+        altitude = _number(path, line, "altitude_m", row.get("altitude_m") or "0")
+        fixes.append(Fix(time, latitude, longitude, altitude))
     return fixes
 
 
@@ -41,16 +32,28 @@ def read_velocities(path: Path) -> list[tuple[float, float]]:
     Raises ``ValueError`` as ``read_track`` does.
     """
     found = []
+    for line, row in _rows(path):
+        speed, course = (
+            _number(path, line, name, row.get(name)) for name in ("groundspeed_mps", "track_deg")
+        )
+        course = math.radians(course)
+        found.append((speed * math.sin(course), speed * math.cos(course)))
+    return found
+
+
+def _rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
+    """Hand on every row, with its line in the file; ``ValueError`` for a file that is no track."""
     with path.open(newline="", encoding="utf-8") as stream:
         reader = csv.DictReader(stream)
+        names = reader.fieldnames or []
+        missing = [name for name in REQUIRED if name not in names]
+        if missing:
+            raise ValueError(f"{path}: no column {missing[0]}: expected {', '.join(REQUIRED)}")
+        row = None
         for row in reader:
-            speed, course = (
-                _number(path, reader.line_num, name, row.get(name))
-                for name in ("groundspeed_mps", "track_deg")
-            )
-            course = math.radians(course)
-            found.append((speed * math.sin(course), speed * math.cos(course)))
-    return found
+            yield reader.line_num, row
+        if row is None:
+            raise ValueError(f"{path}: no rows: expected at least one fix")
 
 
 def _number(path: Path, line: int, name: str, text: str | None) -> float:

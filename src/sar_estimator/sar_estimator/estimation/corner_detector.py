@@ -516,7 +516,7 @@ def stop_posterior(
     from_s, until_s = onset_range_s
     count = _steps(until_s - from_s, ONSET_STEP_S) + 1
     grid: FloatArray = from_s + ONSET_STEP_S * np.arange(count, dtype=np.float64)
-    seen, means, covariance = filtered(rows, *belief[:-2], heading_rad)
+    seen, means, covariance = filtered(rows, *belief.start, heading_rad)
     seen[:, VARIANCE] *= belief.along
     measured = (seen, means, covariance, heading_rad, origin_m)
     table = hypotheses(*measured, grid, accels, log_weights - math.log(grid.size))

@@ -197,7 +197,7 @@ class CornerTracker:
         rows = self._tracker.rows
         rows = rows[rows[:, TIME] < onset_s]
         if len(rows):
-            *_, means, spread = filtered(rows, *self._tracker.belief[:-2], self._heading_rad)
+            *_, means, spread = filtered(rows, *self._tracker.belief.start, self._heading_rad)
             self.leg = told_of(float(rows[-1, TIME]), means, spread, self._heading_rad)
 
     def _infer(self, motion: Motion) -> StopPosterior:

@@ -56,6 +56,11 @@ class Belief(NamedTuple):
     along: float
     across: float
 
+    @property
+    def start(self) -> tuple[float, FloatArray, FloatArray, float, float]:
+        """What a filter of the leg begins with: the time, the means, how sure, size and scale."""
+        return self.time_s, self.means, self.covariance, self.size_mps, self.scale
+
 
 @compiled("UniTuple(float64, 4)(float64)")
 def wander_transition(dt_s: float) -> tuple[float, float, float, float]:
