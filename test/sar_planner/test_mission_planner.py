@@ -9,11 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sar_estimator.common import topics
+from sar_estimator.common.checked import read
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.reports import MonitorReport, UavStatus
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_estimator.common.wires import WIRES
-from sar_planner.component import PlannerComponent, corner_record
+from sar_planner.component import PlannerComponent, corner_outputs
 from sar_planner.mission_planner import MissionPlanner
 from sar_planner.parameters.corner import CornerParameters, ParameterError
 from sar_planner.parameters.mission import MissionParameters
@@ -125,9 +126,10 @@ def test_corner_measures_lag_and_picks_the_rule(lag, rule):
     waypoints = plan.update(100.0)
     assert waypoints.mode == rule == plan.rule
     assert plan.active.plan.lag_m == pytest.approx(lag, abs=1e-6)
-    record = corner_record(plan.active, waypoints)
-    assert record["k"] == 1
-    assert record["rule"] == rule
+    (_, record), (_, curve) = corner_outputs(plan.active, waypoints)
+    assert (record.k, record.rule) == (1, rule)
+    assert curve.list_id == record.list_id == waypoints.list_id
+    assert np.hypot(*np.diff(curve.points, axis=0).T).max() < 10.1
 
 
 def test_lag_is_that_of_the_onset_however_late_it_is_detected():
@@ -250,14 +252,16 @@ def test_a_helicopter_at_the_other_end_of_the_world_is_not_flown_to(rules):
 def test_bad_mission_parameters_are_named():
     for changes, named in (
         ({"turn_side": 2}, "turn_side = 2"),
-        ({"reaction_s": -1.0}, "reaction_s"),
+        ({"reaction_s": -1.0}, r"reaction_s = -1\.0: expected 0 or more"),
         ({"arc_spacing_m": -1.0}, "arc_spacing_m"),
         ({"horizon_m": 0.0}, "horizon_m"),
         ({"speed_range": (0.75,)}, "speed_range"),
-        ({"accel_range": (2.0, 1.0)}, "accel_range"),
+        ({"accel_range": (2.0, 1.0)}, r"accel_range = 2\.0, 1\.0: expected low <= high"),
+        ({"corner_speed_up": 0.2}, r"corner_speed_up = 0\.2: expected at most speed_trim = 0\.1"),
+        ({"speed_trim": 0.5}, r"speed_trim = 0\.5: expected more than 0, less than 0\.5"),
     ):
-        with pytest.raises(ParameterError, match=named):
-            planner(**changes)
+        with pytest.raises(ValueError, match=named):
+            read(MissionParameters, changes)
     with pytest.raises(ParameterError, match="rules = best: expected one of"):
         MissionPlanner(CornerParameters(), MissionParameters(rules="best"))
 
@@ -453,7 +457,8 @@ def test_any_order_of_events_keeps_the_planner_sound(rules, events):  # noqa: C9
         plan.set_helicopter(Motion(now, 6.0, 0.0, 20.0, 0.0))
         listed = plan.update(now)
         if listed is not None and plan.active is not None:
-            assert corner_record(plan.active, listed)["k"] == plan.active.k
+            (_, record), _ = corner_outputs(plan.active, listed)
+            assert record.k == plan.active.k
         can_be_told(told, now)
         if plan.engaged:
             assert (plan.mode is Mode.CORNER) == (plan.active is not None)

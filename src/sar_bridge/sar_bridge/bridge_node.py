@@ -6,10 +6,13 @@ import math
 import sys
 import threading
 import time
+from typing import Annotated
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Path
+from pydantic import Field
+from pydantic.dataclasses import dataclass
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock as ClockMessage
@@ -23,21 +26,38 @@ from sar_bridge.session.interface import INPUTS, OUTPUTS
 from sar_bridge.session.liveness import Liveness
 from sar_bridge.session.session import AutopilotSession
 from sar_estimator.common import topics
+from sar_estimator.common.checked import CHECKED
 from sar_estimator.common.component_node import publisher, subscribe
 from sar_estimator.common.conversions import motion_to_odometry, to_quaternion, to_stamp
 from sar_estimator.common.geodesy import Datum
-from sar_estimator.common.node_support import (
-    RELIABLE,
-    now_s,
-    parameter,
-    report_each_second,
-    run_node,
-)
+from sar_estimator.common.node_parameters import parameters
+from sar_estimator.common.node_support import RELIABLE, now_s, report_each_second, run_node
 from sar_estimator.common.reports import Health, UavStatus, Uploaded, WaypointList
 from sar_estimator.common.wires import WIRES
 
 TICK_S = 0.05
 WATCHED = ("planner", "monitor")
+
+
+@dataclass(frozen=True, config=CHECKED)
+class BridgeParameters:
+    """Parameters of the node.
+
+    autopilot_url: `udp:HOST:PORT` (listens), `tcp:HOST:PORT` (connects), `/dev/NAME,BAUD`.
+    altitude_m: of every waypoint, above the UAV's home. target_system: MAVLink system to talk to;
+    0 for the first autopilot heard. signing_key_file: file with a MAVLink 2 signing key, mode 600;
+    without one nothing is signed. node_timeout_s: planner or monitor silent for so long: no more
+    heartbeats to the autopilot while a list is flown.
+    """
+
+    autopilot_url: str = "udp:127.0.0.1:14550"
+    altitude_m: float = 150.0
+    target_system: Annotated[int, Field(ge=0, le=255)] = 0
+    signing_key_file: str = ""
+    node_timeout_s: Annotated[float, Field(ge=2.0)] = 4.0
+
+
+PARAMETERS = (BridgeParameters,)
 
 
 class BridgeNode(Node):
@@ -46,18 +66,11 @@ class BridgeNode(Node):
     def __init__(self) -> None:
         """Declare parameters, open the link, create topics, services and timers."""
         super().__init__("bridge")
-        url = parameter(self, "autopilot_url", "udp:127.0.0.1:14550")
-        altitude = parameter(self, "altitude_m", 150.0)
-        target = parameter(self, "target_system", 0)
-        if not 0 <= target <= 255:
-            raise ValueError(f"parameter target_system = {target}: expected 0 to 255")
-        node_timeout = parameter(self, "node_timeout_s", 4.0)
-        if not node_timeout >= 2.0:
-            raise ValueError(f"parameter node_timeout_s = {node_timeout}: expected 2 or more")
-        self._liveness = Liveness(WATCHED, node_timeout)
-        self._session = AutopilotSession(altitude_m=altitude, target_system=target)
-        key = parameter(self, "signing_key_file", "")
-        self._link = Link(url, signer=Signer(key, time.time()) if key else None)
+        own = parameters(self, BridgeParameters)
+        self._liveness = Liveness(WATCHED, own.node_timeout_s)
+        self._session = AutopilotSession(altitude_m=own.altitude_m, target_system=own.target_system)
+        key = own.signing_key_file
+        self._link = Link(own.autopilot_url, signer=Signer(key, time.time()) if key else None)
         self._lock = threading.RLock()
         self._datum: Datum | None = None
         self._told_state: UavStatus | None = None

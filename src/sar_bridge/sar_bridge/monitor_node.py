@@ -3,21 +3,39 @@
 from __future__ import annotations
 
 import sys
+from typing import Annotated
 
+from pydantic import Field
+from pydantic.dataclasses import dataclass
 from rclpy.node import Node
 
 from sar_bridge.monitor.component import MonitorComponent
 from sar_bridge.monitor.helicopter_hypotheses import Habits
 from sar_bridge.monitor.parameters import MonitorParameters
+from sar_estimator.common.checked import CHECKED
 from sar_estimator.common.component_node import ComponentNode
-from sar_estimator.common.node_support import parameter, parameters, run_node
+from sar_estimator.common.node_parameters import parameters
+from sar_estimator.common.node_support import run_node
+
+
+@dataclass(frozen=True, config=CHECKED)
+class MonitorNodeParameters:
+    """Parameters of the node.
+
+    guard_rate_hz: how often the list being flown is looked at.
+    """
+
+    guard_rate_hz: Annotated[float, Field(gt=0.0, le=20.0)] = 2.0
+
+
+PARAMETERS = (MonitorParameters, Habits, MonitorNodeParameters)
 
 
 def make(node: Node) -> MonitorComponent:
     """Return the monitor that a node's parameters describe."""
-    limits = parameters(node, MonitorParameters)
-    habits = parameters(node, Habits)
-    return MonitorComponent(limits, habits, rate_hz=parameter(node, "guard_rate_hz", 2.0))
+    limits, habits = parameters(node, MonitorParameters), parameters(node, Habits)
+    own = parameters(node, MonitorNodeParameters)
+    return MonitorComponent(limits, habits, rate_hz=own.guard_rate_hz)
 
 
 def main() -> int:

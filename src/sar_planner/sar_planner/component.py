@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import asdict
-from typing import Any
 
 from sar_estimator.common import topics
 from sar_estimator.common.component import (
@@ -17,6 +16,7 @@ from sar_estimator.common.component import (
     keep,
 )
 from sar_estimator.common.reports import (
+    CornerRecord,
     Health,
     HelicopterReport,
     UavReport,
@@ -32,6 +32,7 @@ from sar_planner.strategies.active_corner import ActiveCorner, Mode
 
 FIGURES = re.compile(r"[\d.]+")
 SPEED_STEP_MPS = 0.05
+CURVE_STEP_M = 10.0
 MOST_RATE_HZ = 100.0
 
 
@@ -48,6 +49,7 @@ class PlannerComponent(Component):
         topics.MODE,
         topics.LAG,
         topics.CORNER_PLAN,
+        topics.CORNER_PATH,
         topics.MISSION,
         topics.DIAGNOSTICS,
     )
@@ -142,7 +144,7 @@ class PlannerComponent(Component):
         if waypoints is not None:
             found.append((topics.WAYPOINTS, waypoints))
             if planner.active is not None and waypoints.mode != Mode.LEG:
-                found.append((topics.CORNER_PLAN, corner_record(planner.active, waypoints)))
+                found += corner_outputs(planner.active, waypoints)
             text = f"list {waypoints.number}: {waypoints.mode}, {len(waypoints.points)} waypoints"
             found.append((NOTICES, Notice("info", text)))
         return found + self._problem_outputs()
@@ -198,23 +200,25 @@ def _figure(value: float | None) -> str:
     return "" if value is None else f"{value:.1f}"
 
 
-def corner_record(active: ActiveCorner, waypoints: PlannedList) -> dict[str, Any]:
-    """Return what was decided at a corner, and the time of the list it went out with."""
+def corner_outputs(active: ActiveCorner, waypoints: PlannedList) -> Outputs:
+    """Return what was decided at a corner, and the curve that it is for."""
     plan, estimate = active.plan, active.estimate
-    return {
-        "k": active.k,
-        "rule": str(plan.rule),
-        "lag_m": plan.lag_m,
-        "next_lag_m": plan.next_lag_m,
-        "length_m": plan.path.length_m,
-        "list_time_s": waypoints.time_s,
-        "onset_time_s": estimate.onset_time_s,
-        "stop_time_s": estimate.stop_time_s,
-        "estimated_at_s": estimate.time_s,
-        "speed_mps": estimate.speed_mps,
-        "accel_mps2": estimate.accel_mps2,
-        "turn_radius_m": plan.parameters.turn_radius_m,
-        "stop": [estimate.stop.x_m, estimate.stop.y_m, estimate.stop.heading_rad],
-        "first_stop": [active.first_stop.x_m, active.first_stop.y_m],
-        "path": [[round(float(v), 2) for v in xy] for xy in active.path.sample(10.0)],
-    }
+    record = CornerRecord(
+        k=active.k,
+        rule=str(plan.rule),
+        list_id=waypoints.list_id,
+        list_time_s=waypoints.time_s,
+        lag_m=plan.lag_m,
+        next_lag_m=plan.next_lag_m,
+        length_m=plan.path.length_m,
+        onset_time_s=estimate.onset_time_s,
+        stop_time_s=estimate.stop_time_s,
+        estimated_at_s=estimate.time_s,
+        speed_mps=estimate.speed_mps,
+        accel_mps2=estimate.accel_mps2,
+        turn_radius_m=plan.parameters.turn_radius_m,
+        stop=estimate.stop,
+        first_stop=active.first_stop,
+    )
+    curve = WaypointList(waypoints.list_id, waypoints.time_s, active.path.sample(CURVE_STEP_M))
+    return [(topics.CORNER_PLAN, record), (topics.CORNER_PATH, curve)]

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import sys
+from typing import Annotated
 
+from pydantic import Field
+from pydantic.dataclasses import dataclass
 from rclpy.node import Node
 
 from sar_estimator.common import topics
+from sar_estimator.common.checked import CHECKED
 from sar_estimator.common.component import Outputs
 from sar_estimator.common.component_node import ComponentNode
-from sar_estimator.common.node_support import parameter, parameters, run_node
+from sar_estimator.common.node_parameters import parameters
+from sar_estimator.common.node_support import run_node
 from sar_planner.component import PlannerComponent
 from sar_planner.markers import Markers
 from sar_planner.parameters.corner import CornerParameters
@@ -41,11 +46,25 @@ class ShownPlanner(PlannerComponent):
         return [*super().report(now_s), (topics.MARKERS, message)]
 
 
+@dataclass(frozen=True, config=CHECKED)
+class PlannerNodeParameters:
+    """Parameters of the node.
+
+    decision_rate_hz: how often decisions are taken, beside those at every prediction.
+    """
+
+    decision_rate_hz: Annotated[float, Field(gt=0.0, le=100.0)] = 5.0
+
+
+PARAMETERS = (CornerParameters, MissionParameters, PlannerNodeParameters)
+
+
 def make(node: Node) -> ShownPlanner:
     """Return the planner that a node's parameters describe."""
     corner = parameters(node, CornerParameters)
     mission = parameters(node, MissionParameters)
-    return ShownPlanner(corner, mission, rate_hz=parameter(node, "decision_rate_hz", 5.0))
+    own = parameters(node, PlannerNodeParameters)
+    return ShownPlanner(corner, mission, rate_hz=own.decision_rate_hz)
 
 
 def main() -> int:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_bridge.monitor.helicopter_hypotheses import HURRY, Habits, Helicopter
+from sar_bridge.monitor.helicopter_hypotheses import FASTER, Habits, Helicopter
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_sim.scenario.scenario import Pattern, Pilot
@@ -107,17 +107,17 @@ def test_a_helicopter_that_leaves_another_way_is_followed():
     assert onward.positions[-1][0] < stop.x_m - 600.0
 
 
-def test_one_that_departs_faster_than_it_flew_before_may_hurry_on():
+def test_one_that_departs_faster_than_it_flew_before_may_go_on_so():
     truth = pattern()
     stop = truth.corners[0].stop
-    for speed, hurries in ((20.0, False), (22.0, False), (24.0, True)):
+    for speed, faster in ((20.0, False), (22.0, False), (24.0, True)):
         helicopter = Helicopter(HABITS)
         helicopter.phase, helicopter.corner = Phase.ACCELERATING, corner_of(truth.corners[0], 60.0)
         helicopter.set_motion(Motion(70.0, stop.x_m + 150.0, stop.y_m, speed, 0.0), 3.0, 3.0)
         found = {future.name: future for future in helicopter.futures(70.0, TIMES)}
-        assert ("hurries on" in found) is hurries
-    assert not found["hurries on"].likely
-    assert found["hurries on"].positions[-1, 0] > found["speeds up"].positions[-1, 0] + 100.0
+        assert ("departs faster" in found) is faster
+    assert not found["departs faster"].likely
+    assert found["departs faster"].positions[-1, 0] > found["speeds up"].positions[-1, 0] + 100.0
 
 
 @pytest.mark.parametrize(("away_m", "leaves"), [(5.0, False), (60.0, True)])
@@ -188,7 +188,7 @@ def test_any_state_gives_finite_futures_one_of_them_likely(phase, vx, vy, sigma,
         assert future.positions.shape == (len(TIMES), 2)
         assert np.isfinite(future.positions).all()
         assert (np.isfinite(future.sigma_m) & (future.sigma_m >= 0.0)).all()
-        cruise = 20.0 * (HURRY if future.name == "hurries on" else 1.0)
+        cruise = 20.0 * (FASTER if future.name == "departs faster" else 1.0)
         fastest = max(np.hypot(vx, vy), cruise)
         assert np.hypot(*np.diff(future.positions, axis=0).T).max() <= 0.5 * fastest + 1e-6
 

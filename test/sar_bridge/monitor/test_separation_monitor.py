@@ -108,7 +108,7 @@ def test_the_doubt_is_in_the_lists_favour():
 
 
 def test_a_list_is_predicted_at_the_speed_it_is_planned_with_within_reason():
-    """Ahead of the helicopter across its way: only who hurries is gone in time."""
+    """Ahead of the helicopter across its way: only one that is fast is gone in time."""
     across = np.array([[500.0, -250.0], [530.0, -220.0], [530.0, 2500.0]])
     verdicts = []
     for speed in (None, 16.5, 23.5, 60.0):

@@ -6,17 +6,11 @@ import signal
 import subprocess
 import sys
 import time
-from dataclasses import fields
 from itertools import pairwise
 
 import pytest
 
-from sar_bridge.monitor.helicopter_hypotheses import Habits
-from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common import node_support
-from sar_estimator.estimation.parameters import EstimatorParameters
-from sar_planner.parameters.corner import CornerParameters
-from sar_planner.parameters.mission import MissionParameters
 
 HANGING = """
 import sys, time
@@ -81,46 +75,3 @@ def test_a_clock_set_back_is_reported_at_once():
     assert node_support.is_report_due(100.1, 160.5)
     assert node_support.is_report_due(3700.1, 160.5)
     assert not node_support.is_report_due(160.9, 160.5)
-
-
-@pytest.mark.parametrize(
-    "kind",
-    [EstimatorParameters, CornerParameters, MissionParameters, MonitorParameters, Habits],
-)
-def test_every_parameter_is_described(kind):
-    found = node_support.descriptions(kind)
-    assert set(found) == {item.name for item in fields(kind)}
-    assert all(3 < len(text) < 300 for text in found.values())
-    assert not any("_m:" in text or "_s:" in text for text in found.values())
-
-
-CHANGING = """
-import rclpy
-from rclpy.node import Node
-from rclpy.parameter import Parameter
-from sar_bridge.monitor.parameters import MonitorParameters
-from sar_estimator.common.node_support import parameters, start_ros
-
-start_ros()
-node = Node("monitor", parameter_overrides=[Parameter("min_separation_m", value=220)])
-limits = parameters(node, MonitorParameters)
-(changed,) = node.set_parameters([Parameter("min_separation_m", value=500.0)])
-told = node.describe_parameter("min_separation_m")
-print(limits.min_separation_m, changed.successful, told.read_only, told.description)
-"""
-
-
-@pytest.mark.graph
-def test_a_parameter_cannot_be_changed_in_flight(own_domain):
-    """Nodes read theirs when they start; a change that is granted would change nothing."""
-    found = subprocess.run(
-        [sys.executable, "-c", CHANGING],
-        env=own_domain,
-        capture_output=True,
-        text=True,
-        timeout=50,
-        check=True,
-    )
-    value, successful, read_only, *description = found.stdout.split()
-    assert (value, successful, read_only) == ("220.0", "False", "True")
-    assert description[:3] == ["no", "list", "passes"]

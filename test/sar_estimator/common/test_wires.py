@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.reports import (
+    CornerRecord,
     Health,
     MonitorReport,
     UavReport,
@@ -27,6 +29,7 @@ from sar_estimator.common.states import (
     MotionEstimate,
     Phase,
 )
+from sar_estimator.common.statuses import to_status
 from sar_estimator.common.wires import WIRES
 
 POINTS = np.array([[1.0, 2.0], [300.0, -40.0], [900.0, -41.0]])
@@ -54,8 +57,25 @@ VALUES = {
     topics.SPEED: 21.5,
     topics.MODE: "leg",
     topics.LAG: -3.5,
-    topics.CORNER_PLAN: {"k": 3, "rule": "D4"},
-    topics.MISSION: {"corner": {"spacing_m": 250.0}},
+    topics.CORNER_PLAN: CornerRecord(
+        3,
+        "D4",
+        12_500_000_001,
+        12.5,
+        4.25,
+        0.1,
+        940.0,
+        104.0,
+        108.0,
+        105.0,
+        20.0,
+        2.5,
+        100.0,
+        Pose(80.0, 3.0, 0.4),
+        Pose(79.0, 2.0, 0.4),
+    ),
+    topics.CORNER_PATH: WaypointList(12_500_000_001, 12.5, POINTS),
+    topics.MISSION: {"corner": {"spacing_m": "250.0"}, "mission": {"speed_range": ["0.5", "2"]}},
     topics.MONITOR: MonitorReport("caution", "near", 7, thresholds={"a": 1.0}, counts={"b": 2}),
 }
 
@@ -104,37 +124,55 @@ def test_every_topic_that_nodes_talk_over_is_in_the_table():
     assert set(WIRES) == known - others
 
 
+def status(**values):
+    return to_status("it", values)
+
+
 @pytest.mark.parametrize(
-    ("topic", "text", "expected"),
+    ("topic", "message", "expected"),
     [
-        (topics.MONITOR, "", "expected JSON"),
-        (topics.MONITOR, "[]", "expected alert, reason and refused_id"),
-        (topics.MONITOR, '{"alert": "none"}', "expected alert, reason and refused_id"),
-        (topics.UAV_STATE, '{"mode": "AUTO"}', "expected mode, armed and connected"),
-        (topics.AUTOPILOT, '{"WP_RADIUS": "wide"}', "expected names and finite numbers"),
-        (topics.AUTOPILOT, '{"WP_RADIUS": NaN}', "expected names and finite numbers"),
-        (topics.AUTOPILOT, "3", "expected names and finite numbers"),
-        (topics.UPLOADED, '{"waypoints": 3}', "expected list_id"),
-        (topics.PHASE, "flying", "flying"),
+        (topics.MONITOR, status(refused_id="some"), "it.refused_id = 'some': expected a whole num"),
+        (topics.MONITOR, status(counts=3), "it.counts = '3': expected a mapping"),
+        (topics.UAV_STATE, status(armed="perhaps"), "it.armed = 'perhaps': expected true or false"),
+        (topics.AUTOPILOT, status(WP_RADIUS="wide"), "it.WP_RADIUS = 'wide': expected a number"),
+        (topics.AUTOPILOT, status(WP_RADIUS=math.nan), "it.WP_RADIUS = 'nan': expected a number"),
+        (topics.UPLOADED, status(waypoints=3), "it.list_id: missing"),
+        (topics.CORNER_PLAN, status(k=1), "it.rule: missing"),
+        (topics.PHASE, String(data="flying"), "flying"),
     ],
 )
-def test_what_is_no_such_value_is_refused_in_one_line(topic, text, expected):
-    with pytest.raises(ValueError, match=expected) as error:
-        WIRES[topic].from_message(String(data=text))
+def test_what_is_no_such_value_is_refused_in_one_line(topic, message, expected):
+    with pytest.raises(ValueError, match=re.escape(expected)) as error:
+        WIRES[topic].from_message(message)
     assert "\n" not in str(error.value)
 
 
 def test_status_of_an_older_bridge_has_no_airspeed_ratio():
-    text = '{"mode": "AUTO", "armed": true, "connected": true}'
-    found = WIRES[topics.UAV_STATE].from_message(String(data=text))
+    message = status(mode="AUTO", armed=True, connected=True)
+    found = WIRES[topics.UAV_STATE].from_message(message)
     assert found == UavStatus("AUTO", armed=True, connected=True)
 
 
-@pytest.mark.parametrize("ratio", ["0", "-1.0", "NaN", "3", '"one"', "null"])
+@pytest.mark.parametrize("ratio", [0, -1.0, math.nan, 3, "one"])
 def test_an_airspeed_ratio_that_cannot_be_is_refused(ratio):
-    text = '{"mode": "AUTO", "armed": true, "connected": true, "airspeed_ratio": RATIO}'
-    with pytest.raises(ValueError, match=r"airspeed_ratio 0\.5 to 2"):
-        WIRES[topics.UAV_STATE].from_message(String(data=text.replace("RATIO", ratio)))
+    with pytest.raises(ValueError, match=r"it\.airspeed_ratio = .*: expected"):
+        WIRES[topics.UAV_STATE].from_message(status(mode="AUTO", airspeed_ratio=ratio))
+
+
+@pytest.mark.parametrize(
+    ("alert", "level"), [("none", 0), ("caution", 1), ("warning", 1), ("escape", 2)]
+)
+def test_the_level_of_a_status_is_that_of_the_alert(alert, level):
+    message = WIRES[topics.MONITOR].to_message(MonitorReport(alert), 0.0)
+    assert (message.level, message.message) == (bytes([level]), alert)
+    message = WIRES[topics.MONITOR].to_message(MonitorReport(alert, "too near"), 0.0)
+    assert message.message == "too near"
+
+
+def test_a_link_that_is_dead_is_an_error():
+    for connected, level in ((True, b"\x00"), (False, b"\x02")):
+        told = WIRES[topics.UAV_STATE].to_message(UavStatus("AUTO", connected=connected), 0.0)
+        assert told.level == level
 
 
 def test_a_withdrawal_is_a_list_without_points():

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sar_estimator.common.checked import read
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.states import Phase
@@ -361,7 +362,9 @@ def test_no_fix_makes_the_estimate_infinite(rows):
 
 
 def test_bad_parameters_are_named():
-    with pytest.raises(ValueError, match=r"gate_chi2 = -1\.0: expected a positive number"):
+    with pytest.raises(ValueError, match=r"gate_chi2 = -1\.0: expected more than 0"):
+        read(EstimatorParameters, {"gate_chi2": -1.0})
+    with pytest.raises(ValueError, match="gate_chi2"):
         EstimatorParameters(gate_chi2=-1.0)
 
 

@@ -122,14 +122,14 @@ def test_the_plans_that_come_along_are_sound():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"seed": 3}, "seed: unknown key, expected one of name, scenario, rules"),
-        ({"seeds": 0}, "seeds = 0: expected a whole number, 1 or more"),
+        ({"seed": 3}, "seed: unknown key, expected one of scenario, rules, .*, name"),
+        ({"seeds": 0}, "seeds = 0: expected 1 or more"),
         ({"from_corner": True}, "from_corner = True: expected a whole number"),
-        ({"lag_m": [1.0]}, r"lag_m = \[1.0\]: expected two numbers"),
+        ({"lag_m": [1.0]}, r"lag_m\[1\]: missing"),
         ({"scenario": "nowhere"}, "nowhere: expected a file or one of"),
         ({"vary": [1]}, r"vary = \[1\]: expected a mapping"),
         ({"vary": {"rules": []}}, r"vary.rules = \[\]: expected a list, or parts"),
-        ({"vary": {"rules": ["chase"]}}, "rules = chase: expected one of deadbeat, paper, follow"),
+        ({"vary": {"rules": ["chase"]}}, "rules = 'chase': expected deadbeat, paper or follow"),
         ({"vary": {"gps.sigma": [1.0]}}, "gps.sigma: unknown key, expected one of rate_hz"),
         ({"vary": {"a": {"b": 1}}}, "vary.a.b = 1: expected a mapping"),
         ({"vary": {"redundancy": [1.0]}}, "redundancy = 1.0: expected 0 or more, less than 1"),

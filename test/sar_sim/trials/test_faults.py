@@ -7,13 +7,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from sar_estimator.common.checked import read
 from sar_estimator.common.gps_fix import Fix
 from sar_sim.bags.bag import BagWriter
 from sar_sim.campaign.missions import Observer
 from sar_sim.flight.offline import OfflineFlight
 from sar_sim.scenario.faults import AutopilotFaults, FaultyRadio, NodeFaults
 from sar_sim.scenario.options import find_scenario
-from sar_sim.scenario.scenario import FAULTS, Fault, ScenarioError, load_scenario
+from sar_sim.scenario.scenario import FAULTS, Fault, load_scenario
 from sar_sim.trials import fault_runs, faults_cli
 from sar_sim.trials.fault_runs import (
     CASES,
@@ -133,8 +134,8 @@ def test_a_clock_that_is_stepped_shows_in_the_fixes_and_not_in_the_truth(step):
     assert stamps[0] == pytest.approx(0.0, abs=0.06)
     assert stamps[-1] == pytest.approx(step, abs=0.06)
     assert world.ros_s - world.true_s == step
-    with pytest.raises(ScenarioError, match="at_s"):
-        Fault("clock", "wrong", -1.0, size=step)
+    with pytest.raises(ValueError, match=r"at_s = -1.0: expected 0 or more"):
+        read(Fault, {"component": "clock", "kind": "wrong", "at_s": -1.0, "size": step})
 
 
 GPS_CASES = [fault for fault in CASES if fault.component == "gps"]

@@ -11,8 +11,10 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
+from pydantic.dataclasses import dataclass as checked_dataclass
 
 from sar_bridge.arduplane import l1_kernels
+from sar_estimator.common.checked import CHECKED, Positive, Side
 from sar_estimator.common.pose import Pose, wrap_angle
 from sar_estimator.common.states import CornerEstimate, FloatArray, LegEstimate, Motion, Phase
 
@@ -30,10 +32,10 @@ EXPECTED_SIGMA_MPS = 1.2
 CONTRADICTION = 3.0
 CONTRADICTED_LEG = 5.0
 ACCEL_SHARE_SIGMA = 0.15
-HURRY, HURRYING = 1.3, 1.0
+FASTER, IS_FAST = 1.3, 1.0
 
 
-@dataclass(frozen=True, slots=True)
+@checked_dataclass(frozen=True, slots=True, config=CHECKED)
 class Habits:
     """How the helicopter is flown.
 
@@ -41,9 +43,9 @@ class Habits:
     and speeds up. turn_side: the side it turns to, 1 right, -1 left.
     """
 
-    speed_mps: float = 20.0
-    accel_mps2: float = 2.0
-    turn_side: int = 1
+    speed_mps: Positive = 20.0
+    accel_mps2: Positive = 2.0
+    turn_side: Side = 1
 
     @property
     def inside_rad(self) -> float:
@@ -319,11 +321,11 @@ class Helicopter:
             Future("speeds up", _along(out, run), np.hypot(spread, 0.05 * run), likely=True),
             Future("stops again", slowing, spread),
         ]
-        if above > HURRYING * sigma:  # it is about to fly faster than it did before
-            top = max(HURRY * self.cruise_mps, fastest)
-            hurry = _run(times, forward, self.habits.accel_mps2, top)
+        if above > IS_FAST * sigma:  # it is about to fly faster than it did before
+            top = max(FASTER * self.cruise_mps, fastest)
+            faster = _run(times, forward, self.habits.accel_mps2, top)
             bound = np.full_like(spread, self._position_sigma_m)
-            found.append(Future("hurries on", _along(out, hurry), bound))
+            found.append(Future("departs faster", _along(out, faster), bound))
         return found
 
     def _way_out(self, here: Pose) -> Pose:

@@ -2,85 +2,86 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, fields
 from itertools import pairwise
+from typing import Annotated
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
 
 from sar_bridge.arduplane.l1_predictor import STEP_S
+from sar_estimator.common.checked import CHECKED, NotNegative, Positive
 
 CAUTION_SHARE, WARNING_SHARE, ESCAPE_SHARE = 0.85, 0.75, 0.65
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=CHECKED)
 class MonitorParameters:
     """Thresholds, horizontal [m], and times [s].
 
     min_separation_m: no list passes that leads closer within horizon_s.
-    gate_sigmas: standard deviations of both positions that are taken in a list's favour.
-    follow_sigma_m: standard deviation of the UAV beside its predicted path.
-    caution_separation_m, warning_separation_m: told when the list being flown leads closer within
-    alert_horizon_s; None for a share of the least.
-    escape_separation_m: the UAV is sent away when it leads closer; None for a share of the least.
-    guard_sigmas: standard deviations that are taken against what is possible.
-    horizon_s: how far ahead a list is looked at before it passes.
-    alert_horizon_s: how far ahead the list being flown is looked at.
-    escape_horizon_s: how far ahead what is likely of the helicopter is a reason to be sent away.
-    possible_horizon_s: how far ahead anything possible of it is.
-    alert_after_s: how long it must be so before it is told.
-    escape_after_s: how long what is likely must be so, while the planner leads nowhere else.
+    gate_sigmas: standard deviations of the doubt that a list is given.
+    follow_sigma_m: how far beside its predicted path a UAV flies.
+    caution_separation_m: told as caution below this; 0.85 of the least where it is not set.
+    warning_separation_m: told as warning below this; 0.75 of the least where it is not set.
+    escape_separation_m: the UAV is sent away before it comes closer; 0.65 of the least where it
+        is not set.
+    guard_sigmas: standard deviations of the doubt that count against what is close in time.
+    horizon_s: how far ahead a list is looked at.
+    alert_horizon_s: how far ahead cautions and warnings look.
+    escape_horizon_s: how far ahead of what is likely the UAV is sent away.
+    possible_horizon_s: the same of anything possible.
+    alert_after_s: how long a caution or warning must last before it is told.
+    escape_after_s: how long the planner may take to end a conflict more than
+        `possible_horizon_s` away.
     clear_s: how long all must be well before the planner leads again.
-    escape_delay_s: from the choice of an escape until the UAV turns.
-    escape_climb_m: how far it climbs where that separates more.
-    escape_reach_m: how far away an escape ends.
+    escape_delay_s: from the choice of an escape until the UAV turns: link, upload, the
+        autopilot.
+    escape_climb_m: how far an escape climbs, where that separates more.
+    escape_reach_m: how far away an escape ends (in a loiter).
     stale_s: age of a position from which on no list passes.
-    lost_s: how long nothing sure may be known of the helicopter before the UAV is sent away.
+    lost_s: nothing sure known of the helicopter for so long: the UAV is sent away.
     watch_only: say all this and do nothing, to see what a planner does by itself.
     """
 
-    min_separation_m: float = 200.0
-    gate_sigmas: float = 1.0
-    follow_sigma_m: float = 5.0
-    caution_separation_m: float | None = None
-    warning_separation_m: float | None = None
-    escape_separation_m: float | None = None
-    guard_sigmas: float = 0.5
-    horizon_s: float = 60.0
-    alert_horizon_s: float = 40.0
-    escape_horizon_s: float = 20.0
-    possible_horizon_s: float = 10.0
-    alert_after_s: float = 2.0
-    escape_after_s: float = 4.0
-    clear_s: float = 5.0
-    escape_delay_s: float = 1.0
-    escape_climb_m: float = 40.0
-    escape_reach_m: float = 1500.0
-    stale_s: float = 3.0
-    lost_s: float = 15.0
+    min_separation_m: Positive = 200.0
+    gate_sigmas: NotNegative = 1.0
+    follow_sigma_m: NotNegative = 5.0
+    caution_separation_m: Positive | None = None
+    warning_separation_m: Positive | None = None
+    escape_separation_m: Positive | None = None
+    guard_sigmas: NotNegative = 0.5
+    horizon_s: Annotated[float, Field(ge=0.0, le=300.0)] = 60.0
+    alert_horizon_s: NotNegative = 40.0
+    escape_horizon_s: NotNegative = 20.0
+    possible_horizon_s: NotNegative = 10.0
+    alert_after_s: NotNegative = 2.0
+    escape_after_s: NotNegative = 4.0
+    clear_s: NotNegative = 5.0
+    escape_delay_s: NotNegative = 1.0
+    escape_climb_m: NotNegative = 40.0
+    escape_reach_m: NotNegative = 1500.0
+    stale_s: NotNegative = 3.0
+    lost_s: NotNegative = 15.0
     watch_only: bool = False
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` for a value that cannot be meant."""
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if value is not None and not (math.isfinite(value) and value >= 0.0):
-                raise ValueError(f"parameter {item.name} = {value}: expected 0 or more")
+        """Refuse values that do not go together, naming them."""
         steps = list(self.thresholds().items())
         for (upper, most), (lower, least) in pairwise(steps):
             if not 0.0 < least <= most:
                 raise ValueError(
-                    f"parameter {lower} = {least:g}: expected more than 0, at most {upper} = "
-                    f"{most:g}"
+                    f"{lower} = {least:g}: expected more than 0, at most {upper} = {most:g}"
                 )
         if self.escape_delay_s > self.escape_horizon_s:
             raise ValueError(
-                f"parameter escape_delay_s = {self.escape_delay_s}: expected at most "
+                f"escape_delay_s = {self.escape_delay_s}: expected at most "
                 f"escape_horizon_s = {self.escape_horizon_s}"
             )
-        if not STEP_S <= self.escape_horizon_s <= self.alert_horizon_s <= self.horizon_s <= 300.0:
+        if not STEP_S <= self.escape_horizon_s <= self.alert_horizon_s <= self.horizon_s:
             raise ValueError(
-                f"parameter escape_horizon_s = {self.escape_horizon_s}: expected at most "
-                f"alert_horizon_s = {self.alert_horizon_s}, that at most horizon_s = "
-                f"{self.horizon_s}, and that at most 300"
+                f"escape_horizon_s = {self.escape_horizon_s}: expected at most "
+                f"alert_horizon_s = {self.alert_horizon_s}, and that at most horizon_s = "
+                f"{self.horizon_s}"
             )
 
     def thresholds(self) -> dict[str, float]:

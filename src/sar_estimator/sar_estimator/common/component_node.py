@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rclpy.node import Node
@@ -17,7 +17,7 @@ from sar_estimator.common.node_support import (
     now_s,
     report_each_second,
 )
-from sar_estimator.common.wires import WIRES, Quality
+from sar_estimator.common.wires import WIRES, Quality, Wire
 
 QUALITIES: dict[Quality, QoSProfile] = {
     Quality.RELIABLE: RELIABLE,
@@ -28,9 +28,9 @@ THROTTLE_S = 5.0
 CLOCK_STEP_S = 1.0
 
 
-def publisher(node: Node, topic: str) -> Any:
+def publisher(node: Node, topic: str, wires: Mapping[str, Wire] = WIRES) -> Any:
     """Return a node's publisher of a topic, as the table has it."""
-    wire = WIRES[topic]
+    wire = wires[topic]
     return node.create_publisher(wire.kind, topics.name_of(topic), QUALITIES[wire.quality])
 
 

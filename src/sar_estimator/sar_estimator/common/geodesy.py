@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 import pymap3d
+from pydantic import ConfigDict
 
+from sar_estimator.common.checked import CHECKED
 from sar_estimator.common.states import FloatArray
 
 
@@ -18,6 +21,8 @@ class Datum:
 
     Raises ``ValueError`` for a latitude or longitude [deg] out of range or not finite.
     """
+
+    __pydantic_config__: ClassVar[ConfigDict] = CHECKED
 
     latitude_deg: float
     longitude_deg: float

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import math
 import os
-import re
 import signal
 import socket
 import sys
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import fields
 from functools import partial
 from typing import Any, NoReturn
 
 import rclpy
-from rcl_interfaces.msg import ParameterDescriptor
 from rcl_interfaces.srv import GetParameters
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
@@ -25,6 +22,7 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from sar_estimator.common.loopback import stay_on_machine
+from sar_estimator.common.node_parameters import refuse_unknown_parameters
 
 PATIENCE_S = 8.0
 ASK_AGAIN_S = 0.5
@@ -71,76 +69,6 @@ def report_each_second(node: Node, report: Callable[[], None]) -> None:
             report()
 
     node.create_timer(REPORT_TICK_S, on_timer)
-
-
-def parameter(node: Node, name: str, default: Any, description: str = "") -> Any:
-    """Declare a parameter with its default and return its value; whole numbers serve as floats.
-
-    It cannot be changed in flight: nodes read their parameters when they start. Raises
-    ``ValueError`` naming the parameter when the value has another type.
-    """
-    descriptor = ParameterDescriptor(
-        name=name, description=description, dynamic_typing=True, read_only=True
-    )
-    node.declare_parameter(name, default, descriptor)
-    value = node.get_parameter(name).value
-    if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
-    if isinstance(default, list):
-        value = list(value)
-    if type(value) is not type(default):
-        raise ValueError(f"parameter {name} = {value!r}: expected a value like {default!r}")
-    return value
-
-
-def parameters(node: Node, kind: type[Any], **defaults: Any) -> Any:
-    """Return a dataclass filled from parameters of the same names (tuples as lists).
-
-    A field whose default is None is a number that is not set while it is 0. Each is described as
-    in the docstring of the dataclass.
-    """
-    values = {}
-    described = descriptions(kind)
-    for item in fields(kind):
-        default, text = defaults.get(item.name, item.default), described.get(item.name, "")
-        if default is None:
-            values[item.name] = parameter(node, item.name, 0.0, text) or None
-        elif isinstance(default, tuple):
-            values[item.name] = tuple(parameter(node, item.name, list(default), text))
-        else:
-            values[item.name] = parameter(node, item.name, default, text)
-    return kind(**values)
-
-
-def descriptions(kind: type[Any]) -> dict[str, str]:
-    """Return what the docstring of a dataclass says of its fields, by name.
-
-    As ``name: text`` or ``name, other: text``, which ends where the next name is described.
-    """
-    text = " ".join((kind.__doc__ or "").replace("``", "").split())
-    names = "|".join(re.escape(item.name) for item in fields(kind))
-    heads = list(re.finditer(rf"(?:(?:{names}), )*(?:{names}): ", text))
-    found: dict[str, str] = {}
-    ends = [*(head.start() for head in heads[1:]), len(text)]
-    for head, end in zip(heads, ends, strict=False):
-        said = text[head.end() : end].strip().rstrip(".;,")
-        for name in re.findall(names, head.group()):
-            found.setdefault(name, said)
-    return found
-
-
-def refuse_unknown_parameters(node: Node) -> None:
-    """Raise ``ValueError`` for a parameter that was given and is none of the node's.
-
-    Those of ROS itself, which may be declared later (``qos_overrides``), do not count.
-    """
-    known = node._parameters  # noqa: SLF001 - rclpy has no public list of what was given
-    for name, given in node._parameter_overrides.items():  # noqa: SLF001
-        if name not in known and not name.startswith("qos_overrides."):
-            expected = ", ".join(sorted(known))
-            raise ValueError(
-                f"parameter {name} = {given.value}: unknown, expected one of {expected}"
-            )
 
 
 class Answers:

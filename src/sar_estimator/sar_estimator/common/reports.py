@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from pydantic import Field
 
+from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import FloatArray, Motion
-
-RATIOS = (0.5, 2.0)
 
 
 class Velocity(NamedTuple):
@@ -43,20 +42,14 @@ class UavStatus:
     """What the autopilot says of itself: flight mode, arming, and whether it is heard.
 
     ``led``: whether the bridge has a list of ours flown. ``airspeed_ratio``: true airspeed over the
-    indicated one, which is what the autopilot is told. Raises ``ValueError`` for a ratio that
-    cannot be.
+    indicated one, which is what the autopilot is told.
     """
 
     mode: str = ""
     armed: bool = False
     connected: bool = False
     led: bool = False
-    airspeed_ratio: float = 1.0
-
-    def __post_init__(self) -> None:
-        """Check the ratio."""
-        if not RATIOS[0] <= self.airspeed_ratio <= RATIOS[1]:
-            raise ValueError(f"airspeed_ratio = {self.airspeed_ratio}: expected 0.5 to 2")
+    airspeed_ratio: Annotated[float, Field(ge=0.5, le=2.0)] = 1.0
 
 
 @dataclass(frozen=True)
@@ -102,6 +95,33 @@ class MonitorReport:
         return self.alert == "escape"
 
 
+@dataclass(frozen=True, slots=True)
+class CornerRecord:
+    """A decision at corner ``k`` (from 1), with the list ``list_id`` of time ``list_time_s``.
+
+    ``lag_m``, ``next_lag_m``: L(k), and L(k+1) as predicted. ``length_m``: of the path. The corner
+    as it was estimated at ``estimated_at_s``: onset and stop [s], V and a, the stop with the
+    heading that the helicopter comes with, and where it was expected at first. ``turn_radius_m``:
+    that the path is planned with.
+    """
+
+    k: int
+    rule: str
+    list_id: int
+    list_time_s: float
+    lag_m: float
+    next_lag_m: float
+    length_m: float
+    onset_time_s: float
+    stop_time_s: float
+    estimated_at_s: float
+    speed_mps: float
+    accel_mps2: float
+    turn_radius_m: float
+    stop: Pose
+    first_stop: Pose
+
+
 class Uploaded(NamedTuple):
     """A list that the autopilot has accepted: its identity, size, and how long it took [ms]."""
 
@@ -121,12 +141,3 @@ class Health:
     problem: str = ""
     values: Mapping[str, object] = field(default_factory=dict)
     severe: bool = False
-
-
-def checked_parameters(values: Mapping[str, float]) -> dict[str, float]:
-    """Return an autopilot's parameters as finite numbers by name; ``ValueError`` for others."""
-    found = {str(name): float(value) for name, value in values.items()}
-    for name, value in found.items():
-        if not math.isfinite(value):
-            raise ValueError(f"{name} = {value}: expected a finite number")
-    return found

@@ -6,14 +6,13 @@ hands on what a message would carry of a value: ``carried``.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Callable
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import (
     AccelWithCovarianceStamped,
     PoseWithCovarianceStamped,
@@ -21,13 +20,16 @@ from geometry_msgs.msg import (
     Vector3Stamped,
 )
 from nav_msgs.msg import Odometry, Path
+from pydantic import FiniteFloat
 from sensor_msgs.msg import NavSatFix
 from std_msgs.msg import Float64, String
 from visualization_msgs.msg import MarkerArray
 
 from sar_estimator.common import conversions, topics
+from sar_estimator.common.checked import read
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.reports import (
+    CornerRecord,
     Health,
     HelicopterReport,
     MonitorReport,
@@ -36,9 +38,9 @@ from sar_estimator.common.reports import (
     Uploaded,
     Velocity,
     WaypointList,
-    checked_parameters,
 )
 from sar_estimator.common.states import MotionEstimate, Phase
+from sar_estimator.common.statuses import Level, to_status, values_of
 
 
 class Quality(StrEnum):
@@ -83,27 +85,13 @@ def _newest(carry: Callable[[Any], Any]) -> Callable[[Any], Any]:
     return once
 
 
-def _json(message: String) -> Any:
-    try:
-        return json.loads(message.data)
-    except ValueError as error:
-        raise ValueError(f"{message.data[:80]!r}: expected JSON") from error
-
-
-def _read(message: String, kind: str, make: Callable[[Mapping[str, Any]], Any]) -> Any:
-    """Return what ``make`` makes of a message's JSON; ``ValueError`` says what was expected."""
-    try:
-        return make(_json(message))
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise ValueError(f"{message.data[:80]!r}: expected {kind} ({error})") from error
+def reader(kind: Any) -> Callable[[DiagnosticStatus], Any]:
+    """Return what reads a status as ``kind``."""
+    return lambda status: read(kind, values_of(status), status.name, texts=True)
 
 
 def _text(value: object, _time_s: float) -> String:
     return conversions.text_message(value)
-
-
-def _as_json(value: object, _time_s: float) -> String:
-    return conversions.text_message(json.dumps(value))
 
 
 def _helicopter(message: Odometry) -> HelicopterReport:
@@ -153,23 +141,10 @@ def _phase(message: String) -> Phase:
     return Phase(message.data)
 
 
-def _status(message: String) -> UavStatus:
-    return _read(  # type: ignore[no-any-return]
-        message,
-        "mode, armed and connected, airspeed_ratio 0.5 to 2",
-        lambda values: UavStatus(
-            str(values["mode"]),
-            armed=bool(values["armed"]),
-            connected=bool(values["connected"]),
-            led=bool(values.get("led", False)),
-            airspeed_ratio=float(values.get("airspeed_ratio", 1.0)),
-        ),
-    )
-
-
-def _parameters(message: String) -> dict[str, float]:
-    found: dict[str, float] = _read(message, "names and finite numbers", checked_parameters)
-    return found
+def _status_message(status: UavStatus, _time_s: float) -> DiagnosticStatus:
+    level = Level.OK if status.connected else Level.ERROR
+    text = status.mode if status.connected else "not heard"
+    return to_status("uav", status, level=level, message=text)
 
 
 def _wind(message: Vector3Stamped) -> tuple[float, float]:
@@ -196,31 +171,13 @@ def _list(message: Path) -> WaypointList:
     )
 
 
-def _uploaded(message: String) -> Uploaded:
-    return _read(  # type: ignore[no-any-return]
-        message,
-        "list_id",
-        lambda values: Uploaded(
-            int(values["list_id"]),
-            int(values.get("waypoints", 0)),
-            float(values.get("upload_ms", 0.0)),
-        ),
-    )
+ALERT_LEVELS = {"none": Level.OK, "escape": Level.ERROR}
+"""Of a monitor's alerts; the others are warnings."""
 
 
-def _monitor(message: String) -> MonitorReport:
-    return _read(  # type: ignore[no-any-return]
-        message,
-        "alert, reason and refused_id",
-        lambda values: MonitorReport(
-            str(values["alert"]),
-            str(values["reason"]),
-            int(values["refused_id"]),
-            watch_only=bool(values.get("watch_only", False)),
-            thresholds=values.get("thresholds", {}),
-            counts=values.get("counts", {}),
-        ),
-    )
+def _monitor_message(report: MonitorReport, _time_s: float) -> DiagnosticStatus:
+    level = ALERT_LEVELS.get(report.alert, Level.WARN)
+    return to_status("monitor", report, level=level, message=report.reason or report.alert)
 
 
 def _health(health: Health, time_s: float) -> DiagnosticArray:
@@ -314,19 +271,19 @@ WIRES: dict[str, Wire] = {
         _uav_carried,
     ),
     topics.UAV_STATE: Wire(
-        "JSON: mode, armed, connected, led, airspeed_ratio",
-        String,
+        "mode, armed, connected, led, airspeed_ratio",
+        DiagnosticStatus,
         LATCHED,
-        lambda status, _: _as_json(asdict(status), 0.0),
-        _status,
+        _status_message,
+        reader(UavStatus),
         _same,
     ),
     topics.AUTOPILOT: Wire(
-        "JSON: the autopilot's parameters, by ArduPlane's newer names",
-        String,
+        "the autopilot's parameters, by ArduPlane's newer names",
+        DiagnosticStatus,
         LATCHED,
-        _as_json,
-        _parameters,
+        lambda values, _: to_status("autopilot", values),
+        reader(dict[str, FiniteFloat]),
         _same,
     ),
     topics.WIND: Wire(
@@ -338,11 +295,11 @@ WIRES: dict[str, Wire] = {
         _same,
     ),
     topics.UPLOADED: Wire(
-        "JSON: the list that the autopilot has accepted, and how long it took",
-        String,
+        "the list that the autopilot has accepted, and how long it took",
+        DiagnosticStatus,
         RELIABLE,
-        lambda one, _: _as_json(one._asdict(), 0.0),
-        _uploaded,
+        lambda one, _: to_status("uploaded", one),
+        reader(Uploaded),
         _same,
     ),
     topics.WAYPOINTS: Wire(
@@ -369,10 +326,28 @@ WIRES: dict[str, Wire] = {
     ),
     topics.LAG: Wire("L in metres; in a corner L(k)", Float64, RELIABLE, _float, _data, _same),
     topics.CORNER_PLAN: Wire(
-        "JSON: a decision at a corner", String, RELIABLE, _as_json, _json, _same
+        "a decision at a corner",
+        DiagnosticStatus,
+        RELIABLE,
+        lambda record, _: to_status(f"corner {record.k}", record, message=record.rule),
+        reader(CornerRecord),
+        _same,
+    ),
+    topics.CORNER_PATH: Wire(
+        "the curve that it is for, stamped as its list",
+        Path,
+        RELIABLE,
+        _list_message,
+        _list,
+        _same,
     ),
     topics.MISSION: Wire(
-        "JSON: the parameters that are flown with", String, LATCHED, _as_json, _json, _same
+        "the parameters that are flown with",
+        DiagnosticStatus,
+        LATCHED,
+        lambda values, _: to_status("mission", values),
+        values_of,
+        _same,
     ),
     topics.MARKERS: Wire(
         "tracks, list and rule for RViz and Foxglove",
@@ -383,11 +358,11 @@ WIRES: dict[str, Wire] = {
         _same,
     ),
     topics.MONITOR: Wire(
-        "JSON: alert, reason, identity of a list that did not pass, thresholds, counts",
-        String,
+        "alert, reason, identity of a list that did not pass, thresholds, counts",
+        DiagnosticStatus,
         LATCHED,
-        lambda report, _: _as_json(asdict(report), 0.0),
-        _monitor,
+        _monitor_message,
+        reader(MonitorReport),
         _same,
     ),
     topics.DIAGNOSTICS: Wire(

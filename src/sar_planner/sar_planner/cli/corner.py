@@ -5,10 +5,13 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import yaml
 
+from sar_estimator.common.checked import read
 from sar_planner.parameters.corner import RULE_SETS, CornerParameters, ParameterError
 from sar_planner.prediction.separation import closest_approach
 from sar_planner.rules.deadbeat_automaton import DeadbeatAutomaton
@@ -47,23 +50,18 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
 
 
 def _parameters(args: argparse.Namespace) -> CornerParameters:
-    values: dict[str, float] = {}
+    values: dict[str, Any] = {}
     if args.params is not None:
         loaded = yaml.safe_load(args.params.read_text(encoding="utf-8"))
-        if not isinstance(loaded, dict):
-            raise ParameterError(f"{args.params}: expected a mapping of corner parameters")
-        for key, value in loaded.items():
-            if key not in CornerParameters.__dataclass_fields__:
-                known = ", ".join(CornerParameters.__dataclass_fields__)
-                raise ParameterError(f"{args.params}: {key}: unknown, expected one of {known}")
-            if not isinstance(value, int | float):
-                raise ParameterError(f"{args.params}: {key} = {value!r}: expected a number")
-            values[key] = float(value)
+        try:
+            values = asdict(read(CornerParameters, loaded))
+        except ValueError as error:
+            raise ParameterError(f"{args.params}: {error}") from error
     for option, field in FIELDS.items():
         given = getattr(args, option.replace("-", "_"))
         if given is not None:
             values[field] = given
-    return CornerParameters(**values)
+    return read(CornerParameters, values)
 
 
 def summary(plan: CornerPlan) -> dict[str, object]:

@@ -70,13 +70,13 @@ class Vehicle:
                 f"autopilot's WP_MAX_RADIUS = {widest:g}: expected 0; with it the UAV turns back "
                 "for waypoints that it passes beside"
             )
-        tuning, hurried = self.tuning(mission), v * (1.0 + mission.corner_hurry)
+        tuning, fastest = self.tuning(mission), v * (1.0 + mission.corner_speed_up)
         if tuning is not None and tuning.period_s > (
-            longest := tuning.longest_period_s(r, hurried)
+            longest := tuning.longest_period_s(r, fastest)
         ):
             return (
                 f"autopilot's NAVL1_PERIOD = {tuning.period_s:g}: expected at most {longest:.1f} s "
-                f"for R = {r:g} m at {hurried:g} m/s"
+                f"for R = {r:g} m at {fastest:g} m/s"
             )
         return ""
 

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from sar_estimator.common.checked import CHECKED, Positive
 
 RULE_SETS = ("deadbeat", "paper")
 PLANNERS = (*RULE_SETS, "follow")
@@ -13,29 +18,29 @@ class ParameterError(ValueError):
     """A parameter out of bounds; the message names it, its value and what was expected."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=CHECKED)
 class CornerParameters:
     """One corner's parameters (Ryan & Hedrick 2005, section IV, for the defaults).
 
-    speed_mps: nominal speed V of both aircraft [m/s].
-    turn_radius_m: radius R the UAV's path is planned with [m].
-    accel_mps2: magnitude a of the helicopter's acceleration at a corner [m/s^2].
-    spacing_m: distance d between the parallel tracks [m].
-    convergence: rate c of the convergent rule, 0 < c < 1.
+    speed_mps: V, nominal speed of both aircraft [m/s].
+    turn_radius_m: R, radius the UAV's path is planned with [m].
+    accel_mps2: a, magnitude of the helicopter's acceleration at a corner [m/s^2].
+    spacing_m: d, distance between the parallel tracks [m].
+    convergence: c, rate of the convergent rule.
     min_clearance_s: T_d of (13), the least time between the aircraft where paths cross [s].
-    taylor_y_m: y_o of (9) [m] where the paper's Taylor step is chosen, None for the exact root.
-    min_separation_m: least distance between the aircraft that the deadbeat rules may plan [m], None
-        for 0.8 d.
+    taylor_y_m: y_o of (9) [m]: the paper's Taylor step instead of the exact root.
+    min_separation_m: least distance between the aircraft that the deadbeat rules may plan [m];
+        0.8 d where it is not set.
     """
 
-    speed_mps: float = 20.0
-    turn_radius_m: float = 100.0
-    accel_mps2: float = 2.5
-    spacing_m: float = 250.0
-    convergence: float = 0.5
-    min_clearance_s: float = 10.0
-    taylor_y_m: float | None = None
-    min_separation_m: float | None = None
+    speed_mps: Positive = 20.0
+    turn_radius_m: Positive = 100.0
+    accel_mps2: Positive = 2.5
+    spacing_m: Positive = 250.0
+    convergence: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.5
+    min_clearance_s: Positive = 10.0
+    taylor_y_m: Positive | None = None
+    min_separation_m: Positive | None = None
 
     @property
     def separation_m(self) -> float:
@@ -76,25 +81,12 @@ def clearance_times_s(p: CornerParameters) -> tuple[float, float]:
     return base + r * (1.0 - math.pi) / v, base - r * math.pi / (2.0 * v)
 
 
-def expect_positive(p: CornerParameters, *names: str) -> None:
-    """Raise ``ParameterError`` naming the first parameter that is set and not above 0."""
-    for name in names:
-        value = getattr(p, name)
-        if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise ParameterError(f"{name} = {value}: expected a positive number")
-
-
 def check(p: CornerParameters) -> None:
     """Refuse parameters for which the four rules are undefined or break their own conditions.
 
     Raises ``ParameterError`` naming the parameter, its value and the bound: (11), (12) with its
     relation sign corrected, (13) with the exact minima, and what the rules' geometry needs.
     """
-    expect_positive(p, "speed_mps", "turn_radius_m", "accel_mps2", "spacing_m", "min_clearance_s")
-    if not 0.0 < p.convergence < 1.0:
-        raise ParameterError(f"convergence = {p.convergence}: expected 0 < c < 1")
-    if p.taylor_y_m is not None and not p.taylor_y_m > 0.0:
-        raise ParameterError(f"taylor_y_m = {p.taylor_y_m}: expected a positive length")
     r, s, d, c = p.turn_radius_m, p.stopping_m, p.spacing_m, p.convergence
     if d <= r:
         raise ParameterError(

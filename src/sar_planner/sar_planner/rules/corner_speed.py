@@ -14,7 +14,7 @@ from sar_planner.rules.deadbeat_rules import CONVERGED_M, DeadbeatRules
 from sar_planner.rules.paper_rules import CornerPlan, NoPathError, Rule
 
 
-def hurries_of(air: AirEnvelope, speed_mps: float, trim: float) -> tuple[float, ...]:
+def speed_ups_of(air: AirEnvelope, speed_mps: float, trim: float) -> tuple[float, ...]:
     """Return the speeds a corner is planned with, over V, the most wanted one first.
 
     Beside V, up to ``trim`` above it: as much as the UAV can make good on any course.
@@ -23,13 +23,13 @@ def hurries_of(air: AirEnvelope, speed_mps: float, trim: float) -> tuple[float, 
     return (most, 1.0) if most > 1.0 + LEAST_TRIM else (1.0,)
 
 
-def hurried_plan(
+def sped_up_plan(
     parameters: CornerParameters,
     lag_m: float,
     *,
     lead_m: float,
     separations_m: Sequence[float],
-    hurries: Sequence[float],
+    speed_ups: Sequence[float],
     made_good: float,
 ) -> tuple[CornerPlan, float] | None:
     """Return the plan of a corner and how much faster than V it is flown; None where there is none.
@@ -39,28 +39,28 @@ def hurried_plan(
     """
     found: tuple[CornerPlan, float] | None = None
     for separation in separations_m:
-        for hurry in hurries:
-            rules = DeadbeatRules(parameters, made_good=made_good * hurry)
-            only = Rule.D4 if hurry > 1.0 else None
+        for speed_up in speed_ups:
+            rules = DeadbeatRules(parameters, made_good=made_good * speed_up)
+            only = Rule.D4 if speed_up > 1.0 else None
             try:
                 plan = rules.plan(lag_m, lead_m=lead_m, separation_m=separation, only=only)
             except NoPathError:
                 continue
             left_m = abs(plan.next_lag_m)
             if left_m <= CONVERGED_M:
-                return plan, hurry
+                return plan, speed_up
             if found is None or left_m < abs(found[0].next_lag_m) - CONVERGED_M:
-                found = plan, hurry
+                found = plan, speed_up
     return found
 
 
 def catching_up_mps(
-    path_m: float, lag_m: float, speed_mps: float, *, hurry: float, share: float, most_mps: float
+    path_m: float, lag_m: float, speed_mps: float, *, speed_up: float, share: float, most_mps: float
 ) -> float:
     """Return the speed that takes a lag out along a path, at most ``most_mps``.
 
-    ``hurry``: the speed the path is planned with, over V; ``share``: of it that is made good.
+    ``speed_up``: the speed the path is planned with, over V; ``share``: of it that is made good.
     """
     share_m = lag_m * share / max(path_m, 1.0)
-    hurried = speed_mps * hurry
-    return min(hurried / max(1e-3, 1.0 - share_m), max(hurried, most_mps))
+    planned_mps = speed_mps * speed_up
+    return min(planned_mps / max(1e-3, 1.0 - share_m), max(planned_mps, most_mps))

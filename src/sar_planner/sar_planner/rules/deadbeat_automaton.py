@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
-from sar_planner.parameters.corner import CornerParameters, ParameterError, expect_positive
+from sar_planner.parameters.corner import CornerParameters, ParameterError
 from sar_planner.prediction.separation import closest_approach
 from sar_planner.rules.deadbeat_rules import CONVERGED_M, DeadbeatRules
 from sar_planner.rules.paper_automaton import Interval, Transition
@@ -82,7 +82,6 @@ def check_deadbeat(parameters: CornerParameters) -> None:
     Raises ``ParameterError`` naming the parameter, its value and the bound found by bisection.
     """
     p = parameters
-    expect_positive(p, "speed_mps", "turn_radius_m", "accel_mps2", "spacing_m", "min_separation_m")
     if p.separation_m >= p.spacing_m:
         raise ParameterError(
             f"min_separation_m = {p.separation_m}: expected less than spacing_m = {p.spacing_m}"

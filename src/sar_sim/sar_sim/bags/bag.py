@@ -32,6 +32,7 @@ from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
 
+from sar_sim.bags.former import as_now
 from sar_sim.bags.salvage import is_cut, salvaged
 
 # What reading a damaged bag may raise: rosbags believes the lengths and types it reads.
@@ -125,25 +126,22 @@ class BagWriter:
 def serialised(kind: str, message: Any) -> bytes:
     """Return a message of rclpy's as bytes, as rosbags writes it."""
     if kind == "diagnostic_msgs/msg/DiagnosticArray":
-        message = _with_octets_as_numbers(message)
+        message = TYPESTORE.types[kind](
+            header=message.header, status=[_with_number(status) for status in message.status]
+        )
+    elif kind == "diagnostic_msgs/msg/DiagnosticStatus":
+        message = _with_number(message)
     return bytes(TYPESTORE.serialize_cdr(message, kind))
 
 
-def _with_octets_as_numbers(array: Any) -> Any:
-    """Return diagnostics as rosbags has them: an octet, bytes in rclpy, is a number there."""
-    status_type = TYPESTORE.types["diagnostic_msgs/msg/DiagnosticStatus"]
-    return TYPESTORE.types["diagnostic_msgs/msg/DiagnosticArray"](
-        header=array.header,
-        status=[
-            status_type(
-                level=status.level[0],
-                name=status.name,
-                message=status.message,
-                hardware_id=status.hardware_id,
-                values=status.values,
-            )
-            for status in array.status
-        ],
+def _with_number(status: Any) -> Any:
+    """Return a status as rosbags has it: its level, an octet, is bytes in rclpy, a number there."""
+    return TYPESTORE.types["diagnostic_msgs/msg/DiagnosticStatus"](
+        level=status.level[0],
+        name=status.name,
+        message=status.message,
+        hardware_id=status.hardware_id,
+        values=status.values,
     )
 
 
@@ -161,14 +159,16 @@ def open_bag(path: Path) -> Iterator[AnyReader]:
 
 
 def read_messages(path: Path, topics: set[str] | None = None) -> Iterator[tuple[str, float, Any]]:
-    """Yield (topic, time [s], message) in the order of the bag, of all or the named topics."""
+    """Yield (topic, time [s], message) in the order of the bag, of all or the named topics.
+
+    What carried JSON once is given as it is now.
+    """
     with open_bag(path) as reader:
         chosen = [c for c in reader.connections if topics is None or c.topic in topics]
         if not chosen:
             return
         for connection, timestamp, raw in reader.messages(connections=chosen):
-            yield (
-                connection.topic,
-                timestamp * 1e-9,
-                reader.deserialize(raw, connection.msgtype),
-            )
+            kind = connection.msgtype
+            message = reader.deserialize(raw, kind)
+            for topic, one in as_now(connection.topic, kind, message):
+                yield topic, timestamp * 1e-9, one

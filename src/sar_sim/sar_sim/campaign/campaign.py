@@ -7,16 +7,17 @@ it. Every combination is flown with every seed, by the modules that fly.
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, TypeGuard, cast
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import Field
+from pydantic.dataclasses import dataclass as checked_dataclass
 
-from sar_planner.parameters.corner import PLANNERS
+from sar_estimator.common.checked import CHECKED, Count, Positive, read
 from sar_sim.campaign.missions import Mission, fly, seeded
 from sar_sim.scenario.options import find_scenario
 from sar_sim.scenario.scenario import (
@@ -27,10 +28,36 @@ from sar_sim.scenario.scenario import (
     scenario_of,
 )
 
-SPECIAL = ("scenario", "rules", "redundancy", "tolerance_m", "watch_only")
-KEYS = ("name", *SPECIAL, "seeds", "lag_m", "from_corner", "vary")
-TOLERANCE_M = 15.0
 Document = dict[str, Any]
+
+
+@checked_dataclass(frozen=True, config=CHECKED)
+class Way:
+    """How a mission is flown, beside its scenario, whose name or file ``scenario`` is.
+
+    ``redundancy``: f, by which tracks are nearer to each other. ``tolerance_m``: on |L(k)|.
+    ``watch_only``: the monitor says what it sees and does nothing.
+    """
+
+    scenario: str = "arduplane"
+    rules: Literal["deadbeat", "paper", "follow"] = "deadbeat"
+    redundancy: Annotated[float, Field(ge=0.0, lt=1.0)] | None = None
+    tolerance_m: Positive = 15.0
+    watch_only: bool = False
+
+
+WAYS = tuple(item.name for item in fields(Way))
+
+
+@checked_dataclass(frozen=True, config=CHECKED)
+class Plan(Way):
+    """A plan as it is written. ``lag_m``: from and to which L(1) is drawn."""
+
+    name: str = ""
+    seeds: Count = 30
+    lag_m: tuple[float, float] | None = None
+    from_corner: Count = 4
+    vary: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -82,39 +109,17 @@ def load_campaign(path: Path) -> Campaign:
 
 
 def _campaign(document: Document, stem: str) -> Campaign:
-    unknown = [key for key in document if key not in KEYS]
-    if unknown:
-        raise ScenarioError(f"{unknown[0]}: unknown key, expected one of {', '.join(KEYS)}")
-    seeds, from_corner = document.get("seeds", 30), document.get("from_corner", 4)
-    for key, value in (("seeds", seeds), ("from_corner", from_corner)):
-        if not isinstance(value, int) or isinstance(value, bool) or value < 1:
-            raise ScenarioError(f"{key} = {value!r}: expected a whole number, 1 or more")
-    factors = document.get("vary", {})
-    if not isinstance(factors, dict):
-        raise ScenarioError(f"vary = {factors!r}: expected a mapping")
-    common: Document = {key: document[key] for key in document if key in SPECIAL}
-    combinations = tuple(_combinations(common, factors))
+    plan = read(Plan, document)
+    common: Document = {key: document[key] for key in document if key in WAYS}
+    combinations = tuple(_combinations(common, plan.vary))
     return Campaign(
-        str(document.get("name", stem)),
+        plan.name or stem,
         combinations,
-        seeds,
-        _lags(document.get("lag_m")),
-        from_corner,
+        plan.seeds,
+        plan.lag_m,
+        plan.from_corner,
         {**document, "scenarios": [scenario_document(one.scenario) for one in combinations]},
     )
-
-
-def _lags(value: object) -> tuple[float, float] | None:
-    if value is None:
-        return None
-    if isinstance(value, list) and len(value) == 2 and all(_is_number(item) for item in value):
-        return float(value[0]), float(value[1])
-    raise ScenarioError(f"lag_m = {value!r}: expected two numbers, [low, high]")
-
-
-def _is_number(value: object) -> TypeGuard[float]:
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and math.isfinite(cast("float", value))
 
 
 def _combinations(common: Document, factors: Document) -> Iterator[Combination]:
@@ -146,6 +151,10 @@ def _levels(name: str, given: object) -> Iterator[tuple[str, Document]]:
         raise ScenarioError(f"vary.{name} = {given!r}: expected a list, or parts of a scenario")
 
 
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
 def _merge(into: Document, values: Mapping[str, Any]) -> None:
     """Put values into a document, those of inner mappings one by one."""
     for key, value in values.items():
@@ -156,32 +165,21 @@ def _merge(into: Document, values: Mapping[str, Any]) -> None:
 
 
 def _combination(labels: dict[str, str], part: Document) -> Combination:
-    special = {key: part.pop(key) for key in SPECIAL if key in part}
-    document = read_document(find_scenario(str(special.get("scenario", "arduplane"))))
+    way = read(Way, {key: part.pop(key) for key in WAYS if key in part})
+    document = read_document(find_scenario(way.scenario))
     _merge(document, part)
     scenario = scenario_of(document)
-    rules = str(special.get("rules", "deadbeat"))
-    if rules not in PLANNERS:
-        raise ScenarioError(f"rules = {rules}: expected one of {', '.join(PLANNERS)}")
-    watch_only = special.get("watch_only", False)
-    if not isinstance(watch_only, bool):
-        raise ScenarioError(f"watch_only = {watch_only!r}: expected true or false")
-    tolerance = special.get("tolerance_m", TOLERANCE_M)
-    if not (_is_number(tolerance) and tolerance > 0.0):
-        raise ScenarioError(f"tolerance_m = {tolerance!r}: expected more than 0")
-    if "redundancy" in special:
-        scenario = _redundant(scenario, special["redundancy"])
-    return Combination(labels, scenario, rules, watch_only, float(tolerance))
+    if way.redundancy is not None:
+        scenario = _redundant(scenario, way.redundancy)
+    return Combination(labels, scenario, way.rules, way.watch_only, way.tolerance_m)
 
 
-def _redundant(scenario: Scenario, share: object) -> Scenario:
+def _redundant(scenario: Scenario, share: float) -> Scenario:
     """Return a scenario with tracks nearer to each other: d = (1 - f) of what is seen across."""
-    if not (_is_number(share) and 0.0 <= share < 1.0):
-        raise ScenarioError(f"redundancy = {share!r}: expected 0 or more, less than 1")
     spacing = scenario.corner.spacing_m * (1.0 - share)
     return replace(
         scenario,
         corner=replace(scenario.corner, spacing_m=spacing),
-        sensor=replace(scenario.sensor, redundancy=float(share)),
+        sensor=replace(scenario.sensor, redundancy=share),
         pattern=replace(scenario.pattern, track_spacing_m=2.0 * spacing),
     )

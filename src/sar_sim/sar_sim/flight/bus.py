@@ -7,7 +7,7 @@ from typing import Any
 
 from sar_estimator.common import topics
 from sar_estimator.common.component import NOTICES, Component, Outputs
-from sar_estimator.common.reports import UavReport, Velocity
+from sar_estimator.common.reports import UavReport
 from sar_estimator.common.wires import WIRES
 from sar_sim.autopilot.autopilot import SimAutopilot
 from sar_sim.world.gps import Reception
@@ -68,11 +68,7 @@ class Bus:
 
     def receive(self, reception: Reception) -> None:
         """Publish what the helicopter's receiver gave."""
-        fix, velocity = reception.fix, reception.velocity
-        if velocity is not None:
-            told = Velocity(fix.time_s, velocity.vx_mps, velocity.vy_mps)
-            self.publish(topics.VELOCITY, told)
-        self.publish(topics.FIX, fix)
+        self.publish_all(reception.told())
 
     def tell_uav(self, autopilot: SimAutopilot) -> None:
         """Publish the UAV's telemetry."""

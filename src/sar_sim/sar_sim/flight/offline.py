@@ -11,11 +11,12 @@ from sar_bridge.monitor.helicopter_hypotheses import Habits
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_bridge.monitor.separation_monitor import SeparationMonitor
 from sar_estimator.common import topics
+from sar_estimator.common.checked import Side
 from sar_estimator.common.component import Component
-from sar_estimator.common.conversions import stamped_s, text_message
+from sar_estimator.common.conversions import stamped_s
 from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.reports import UavStatus, Uploaded, WaypointList
-from sar_estimator.common.wires import WIRES, Quality
+from sar_estimator.common.wires import Quality
 from sar_estimator.estimation.component import EstimatorComponent
 from sar_estimator.estimation.parameters import EstimatorParameters
 from sar_planner.component import PlannerComponent
@@ -25,19 +26,17 @@ from sar_planner.parameters.mission import MissionParameters
 from sar_planner.strategies.active_corner import Mode
 from sar_sim.autopilot.presets import parameter_values
 from sar_sim.bags.bag import BagWriter, serialised
-from sar_sim.bags.codecs import corner_truth_text, scenario_text
 from sar_sim.flight.bus import Bus
 from sar_sim.flight.upload import SimulatedBridge
 from sar_sim.scenario.scenario import Scenario
 from sar_sim.world.truth import TruthComponent
+from sar_sim.world.wires import ALL_WIRES
 from sar_sim.world.world import World
 
 STEPS_PER_TICK = 2
 STEPS_PER_GUARD = 5
 STEPS_PER_STATUS = 10
-LATCHED = {topic for topic, wire in WIRES.items() if wire.quality is Quality.LATCHED} | {
-    topics.SCENARIO
-}
+LATCHED = {topic for topic, wire in ALL_WIRES.items() if wire.quality is Quality.LATCHED}
 
 
 def message_kind(message: Any) -> str:
@@ -54,7 +53,7 @@ def mission_parameters(scenario: Scenario, *, rules: str) -> MissionParameters:
 
 
 def monitor_for(
-    corner: CornerParameters, turn_side: int, *, watch_only: bool = False
+    corner: CornerParameters, turn_side: Side, *, watch_only: bool = False
 ) -> MonitorComponent:
     """Return the monitor of a mission, as the launcher sets it up."""
     return MonitorComponent(
@@ -156,7 +155,7 @@ class OfflineFlight:
     ) -> None:
         """Fly to the end; ``progress`` is told once a simulated second, ``observe`` every tick."""
         self._bus.start(self._components)
-        self._write(topics.SCENARIO, text_message(scenario_text(self.world.scenario)))
+        self._record(topics.SCENARIO, self.world.scenario)
         parameters = parameter_values(self.world.scenario.uav)
         if parameters:
             self._bus.publish(topics.AUTOPILOT, parameters)
@@ -179,10 +178,8 @@ class OfflineFlight:
         )
 
     def _record(self, topic: str, value: Any) -> None:
-        self._write(topic, WIRES[topic].to_message(value, self._bus.now_s))
-
-    def _write(self, topic: str, message: Any) -> None:
         if self._bag is not None:
+            message = ALL_WIRES[topic].to_message(value, self._bus.now_s)
             kind = message_kind(message)
             data = serialised(kind, message)
             self._bag.write(topic, kind, data, self._bus.now_s, latched=topic in LATCHED)
@@ -196,8 +193,7 @@ class OfflineFlight:
         if arrived is not None:
             self._tell_uploaded(arrived)
         while self._corners and self._corners[0].onset_time_s <= self.world.time_s:
-            truth = text_message(corner_truth_text(self._corners.pop(0)))
-            self._write(topics.TRUE_CORNER, truth)
+            self._record(topics.TRUE_CORNER, self._corners.pop(0))
         for reception in receptions:
             bus.receive(reception)
         if self._truth or receptions or self._steps % STEPS_PER_TICK == 0:
@@ -216,8 +212,8 @@ class OfflineFlight:
         """Tell where both aircraft are; the helicopter, for which all wait, last."""
         autopilot = self.world.autopilot
         if self._bag is not None:
-            for topic, odometry in self.world.truth(self._bus.now_s):
-                self._write(topic, odometry)
+            for topic, truth in self.world.truth(self._bus.now_s):
+                self._record(topic, truth)
         if autopilot.mode.name != self._told_mode:
             self._told_mode = autopilot.mode.name
             ratio = autopilot.uav.airspeed_ratio

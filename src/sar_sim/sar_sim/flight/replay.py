@@ -11,13 +11,13 @@ graph every node has a timer of its own, up to a period apart from it.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
 from sar_estimator.common import topics
+from sar_estimator.common.checked import read
 from sar_estimator.common.component import Component, Outputs
 from sar_estimator.common.conversions import (
     from_stamp,
@@ -62,11 +62,11 @@ def flown_with(
     engaged: list[float] = []
     for topic, _, message in events:
         if topic == topics.MISSION:
-            mission = message.data
+            mission = WIRES[topic].from_message(message)
         elif topic == topics.DATUM and datum is None:
             datum = Datum(message.latitude, message.longitude, message.altitude)
         elif topic == topics.MONITOR:
-            watch_only = bool(json.loads(message.data).get("watch_only"))
+            watch_only = WIRES[topic].from_message(message).watch_only
         elif topic == topics.WAYPOINTS:
             if message.poses and not led:
                 engaged.append(from_stamp(message.header.stamp))
@@ -74,25 +74,15 @@ def flown_with(
     if mission is None:
         raise ValueError(f"no {topics.MISSION}: expected the planner's parameters")
     try:
-        values = json.loads(mission)
-        corner = CornerParameters(**values["corner"])
-        settings: dict[str, Any] = {
-            key: tuple(value) if isinstance(value, list) else value
-            for key, value in values["mission"].items()
-        }
-        return FlownWith(
-            corner,
-            MissionParameters(**settings),
-            estimator,
-            velocity_sigma_mps,
-            datum,
-            tuple(engaged),
-            watch_only,
-        )
-    except (AttributeError, KeyError, TypeError) as error:
+        corner = read(CornerParameters, mission.get("corner"), "corner", texts=True)
+        settings = read(MissionParameters, mission.get("mission"), "mission", texts=True)
+    except ValueError as error:
         raise ValueError(
             f"{topics.MISSION}: {error}: expected this version's parameters"
         ) from error
+    return FlownWith(
+        corner, settings, estimator, velocity_sigma_mps, datum, tuple(engaged), watch_only
+    )
 
 
 class _Replay:
@@ -323,14 +313,20 @@ def _points(message: Any) -> dict[str, Any]:
     return figures
 
 
+def _curve(message: Any) -> dict[str, Any]:
+    # Of its record the length is compared; former bags have it to the centimetre only.
+    return {"points": len(message.poses)}
+
+
 def _corner_plan(message: Any) -> dict[str, Any]:
-    values = json.loads(message.data)
-    return {name: values[name] for name in ("k", "rule", "lag_m", "next_lag_m", "length_m")}
+    record = WIRES[topics.CORNER_PLAN].from_message(message)
+    names = ("k", "rule", "lag_m", "next_lag_m", "length_m")
+    return {name: getattr(record, name) for name in names}
 
 
 def _alert(message: Any) -> dict[str, Any]:
-    values = json.loads(message.data)
-    return {"alert": values["alert"], **values["counts"]}
+    report = WIRES[topics.MONITOR].from_message(message)
+    return {"alert": report.alert, **report.counts}
 
 
 def _plain(message: Any) -> dict[str, Any]:
@@ -345,6 +341,7 @@ FIGURES: dict[str, Callable[[Any], dict[str, Any]]] = {
     topics.HELICOPTER_ODOMETRY: _motion,
     topics.WAYPOINTS: _points,
     topics.CORNER_PLAN: _corner_plan,
+    topics.CORNER_PATH: _curve,
     topics.SPEED: _plain,
     topics.CLEARED: _points,
     topics.MONITOR: _alert,

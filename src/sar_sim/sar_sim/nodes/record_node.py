@@ -8,26 +8,37 @@ import sys
 from functools import partial
 from pathlib import Path
 
+from pydantic.dataclasses import dataclass
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosbags.rosbag2 import WriterError
 
 from sar_estimator.common import topics
+from sar_estimator.common.checked import CHECKED
 from sar_estimator.common.component_node import publisher
 from sar_estimator.common.conversions import diagnostics
-from sar_estimator.common.node_support import (
-    now_s,
-    parameter,
-    report_each_second,
-    run_node,
-)
+from sar_estimator.common.node_parameters import parameters
+from sar_estimator.common.node_support import now_s, report_each_second, run_node
 from sar_sim.bags.bag import BagWriter, known_type
 from sar_sim.bags.message_types import get_message
 
 YIELDING = 5  # of niceness: what flies comes first, and a thousand messages of a topic can wait
 DISCOVERY_PERIOD_S = 0.25
 FLUSH_PERIOD_S = 0.9
+
+
+@dataclass(frozen=True, config=CHECKED)
+class RecordParameters:
+    """Parameters of the node.
+
+    bag: folder that is created.
+    """
+
+    bag: str = ""
+
+
+PARAMETERS = (RecordParameters,)
 
 
 class RecordNode(Node):
@@ -37,7 +48,7 @@ class RecordNode(Node):
         """Open the bag."""
         super().__init__("record")
         os.nice(YIELDING)
-        folder = parameter(self, "bag", "")
+        folder = parameters(self, RecordParameters).bag
         if not folder:
             raise ValueError("parameter bag: expected a folder that does not exist yet")
         try:

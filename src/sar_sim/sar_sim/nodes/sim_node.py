@@ -9,27 +9,20 @@ import math
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import rclpy
-from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import NavSatFix
-from std_msgs.msg import String
 
 from sar_estimator.common import topics
-from sar_estimator.common.conversions import (
-    fix_to_message,
-    from_stamp,
-    odometry_to_motion,
-    text_message,
-    to_stamp,
-    velocity_message,
-)
+from sar_estimator.common.component_node import publisher
+from sar_estimator.common.conversions import from_stamp, odometry_to_motion, to_stamp
 from sar_estimator.common.geodesy import Datum
+from sar_estimator.common.node_parameters import parameters
 from sar_estimator.common.node_support import (
     LATCHED,
     RELIABLE,
@@ -38,18 +31,26 @@ from sar_estimator.common.node_support import (
     end_process,
     hear_until,
     now_s,
-    parameter,
     start_ros,
 )
 from sar_estimator.common.pose import Pose
 from sar_sim.autopilot.link import AutopilotLink
 from sar_sim.autopilot.server import AutopilotServer
-from sar_sim.bags.codecs import corner_truth_text, scenario_text
 from sar_sim.bags.tracks import load_track
+from sar_sim.nodes.sim_parameters import SimParameters
 from sar_sim.scenario.scenario import Scenario, load_scenario
 from sar_sim.world.pacer import AutopilotPacer, Pacer, RealTimePacer
+from sar_sim.world.wires import ALL_WIRES
 from sar_sim.world.world import World
 
+TOLD = (
+    topics.FIX,
+    topics.VELOCITY,
+    topics.TRUE_HELICOPTER,
+    topics.TRUE_UAV,
+    topics.TRUE_CORNER,
+    topics.SCENARIO,
+)
 STEPS_PER_TRUTH = 2
 SPIN_PERIOD_S = 0.02
 LONGEST_WAIT_S = 0.02
@@ -64,42 +65,29 @@ class SimNode(Node):
     def __init__(self) -> None:
         """Read the scenario; create the world, the link and the topics."""
         super().__init__("sim")
-        path = parameter(self, "scenario", "")
-        if not path:
+        own = parameters(self, SimParameters)
+        if not own.scenario:
             raise ValueError("parameter scenario: expected a scenario file")
-        self._speed = parameter(self, "speed", 10.0)
-        if not 0.0 < self._speed <= 100.0:
-            raise ValueError(f"parameter speed = {self._speed}: expected 0 to 100")
-        track = parameter(self, "track", "")
-        self._live = parameter(self, "live_helicopter", default=False)
-        if self._live:
-            self._speed = 1.0
-        scenario = load_scenario(Path(path))
-        self._world = self._make_world(scenario, track)
+        self._live = own.live_helicopter
+        self._speed = 1.0 if self._live else own.speed
+        scenario = load_scenario(Path(own.scenario))
+        self._world = self._make_world(scenario, own.track)
         self._link: AutopilotLink | None = None
-        if parameter(self, "uav", default=True):
+        if own.uav:
             server = AutopilotServer(self._world.autopilot, self._world.datum)
-            port = parameter(self, "mavlink_port", 14550)
-            seed = scenario.gps.seed
-            self._link = AutopilotLink(server, port, time.monotonic, scenario.faults, seed)
+            self._link = AutopilotLink(
+                server, own.mavlink_port, time.monotonic, scenario.faults, scenario.gps.seed
+            )
         self._follower: AutopilotPacer | None = None
-        if parameter(self, "follow_autopilot", default=False):
+        if own.follow_autopilot:
             self._follower = AutopilotPacer(self._speed)
             self.create_subscription(
                 Clock, topics.name_of(topics.UAV_CLOCK), self._on_uav_clock, RELIABLE
             )
-        self._listeners = parameter(self, "wait_for_listeners", 1)
-        self._patience_s = parameter(self, "patience_s", 30.0)
+        self._listeners, self._patience_s = own.wait_for_listeners, own.patience_s
         self._clock_sender = self.create_publisher(Clock, topics.CLOCK, RELIABLE)
-        self._fix = self.create_publisher(NavSatFix, topics.FIX, qos_profile_sensor_data)
-        self._velocity = self.create_publisher(
-            TwistStamped, topics.VELOCITY, qos_profile_sensor_data
-        )
-        self._true_helicopter = self.create_publisher(Odometry, topics.TRUE_HELICOPTER, RELIABLE)
-        self._true_uav = self.create_publisher(Odometry, topics.name_of(topics.TRUE_UAV), RELIABLE)
-        self._true_corner = self.create_publisher(String, topics.TRUE_CORNER, RELIABLE)
-        self._scenario = self.create_publisher(String, topics.SCENARIO, LATCHED)
-        self._scenario.publish(text_message(scenario_text(scenario)))
+        self._senders = {topic: publisher(self, topic, ALL_WIRES) for topic in TOLD}
+        self._tell(topics.SCENARIO, scenario)
         self._corners = list(self._world.corners)
         # A simulated UAV is engaged from here; a real one's operator does so himself.
         self._engaging = Persistent(
@@ -168,7 +156,8 @@ class SimNode(Node):
                 self._link.report(self._world.time_s)
                 if not self._link.heard:
                     missing.append("bridge")
-            absent = 0 if self._live else self._listeners - self._fix.get_subscription_count()
+            heard_by = self._senders[topics.FIX].get_subscription_count()
+            absent = 0 if self._live else self._listeners - heard_by
             if absent > 0:
                 missing.append(f"{absent} of the listeners on {topics.FIX}")
             if not self._engaging.heard:
@@ -202,14 +191,10 @@ class SimNode(Node):
         self._steps += 1
         self._publish_clock()
         while self._corners and self._corners[0].onset_time_s <= self._world.time_s:
-            self._true_corner.publish(text_message(corner_truth_text(self._corners.pop(0))))
+            self._tell(topics.TRUE_CORNER, self._corners.pop(0))
         for reception in receptions:
-            fix, velocity = reception.fix, reception.velocity
-            if velocity is not None:
-                self._velocity.publish(
-                    velocity_message(fix.time_s, velocity.vx_mps, velocity.vy_mps)
-                )
-            self._fix.publish(fix_to_message(fix))
+            for topic, value in reception.told():
+                self._tell(topic, value)
         if self._steps % STEPS_PER_TRUTH == 0:
             self._publish_truth()
         if self._link is not None:
@@ -218,9 +203,11 @@ class SimNode(Node):
     def _publish_truth(self) -> None:
         simulated = self._link is not None
         stamp = now_s(self) if self._live else self._world.true_s
-        for topic, message in self._world.truth(stamp, uav=simulated):
-            sender = self._true_uav if topic == topics.TRUE_UAV else self._true_helicopter
-            sender.publish(message)
+        for topic, truth in self._world.truth(stamp, uav=simulated):
+            self._tell(topic, truth)
+
+    def _tell(self, topic: str, value: Any) -> None:
+        self._senders[topic].publish(ALL_WIRES[topic].to_message(value, self._ros_time()))
 
 
 def main() -> int:

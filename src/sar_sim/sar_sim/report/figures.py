@@ -17,6 +17,7 @@ from matplotlib.path import Path as Outline
 from matplotlib.ticker import MaxNLocator
 from shapely.geometry.base import BaseGeometry
 
+from sar_estimator.common.checked import read
 from sar_sim.report.coverage import Coverage, FloatArray, swath
 from sar_sim.report.flight_data import FlightData
 from sar_sim.scenario.scenario import Sensor
@@ -70,7 +71,7 @@ def draw_map(data: FlightData, area: Coverage | None, out: Path) -> None:
     figure = Figure(figsize=(9, 9), layout="constrained")
     title = "Aircraft paths" if area is None else f"Aircraft paths, coverage {area.percent:.2f} %"
     axes = _axes(figure, title)
-    radius = Sensor(**data.scenario.get("sensor", {}))
+    radius = read(Sensor, data.scenario.get("sensor", {}), "sensor", texts=True)
     for track, colour, name in (
         (data.helicopter, HELICOPTER, "helicopter"),
         (data.uav, UAV, "UAV"),
@@ -83,8 +84,8 @@ def draw_map(data: FlightData, area: Coverage | None, out: Path) -> None:
     if area is not None:
         _fill(axes, area.gaps, GAP, 0.8, "not seen")
     for k, item in sorted(data.planned.items()):
-        x, y = item.last["stop"][:2]
-        axes.annotate(f"{k} {item.last['rule']}", (x, y), textcoords="offset points", xytext=(6, 6))
+        x, y = item.last.stop[:2]
+        axes.annotate(f"{k} {item.last.rule}", (x, y), textcoords="offset points", xytext=(6, 6))
         axes.plot(x, y, "k+", ms=8)
     axes.legend(loc="best", fontsize=8)
     figure.savefig(out, dpi=110)
@@ -92,7 +93,7 @@ def draw_map(data: FlightData, area: Coverage | None, out: Path) -> None:
 
 def corner_to_draw(data: FlightData) -> int | None:
     """Return the corner that is drawn close up: the first that cuts, else the first."""
-    cuts = [k for k, item in sorted(data.planned.items()) if item.last["rule"] in CUT_CORNERS]
+    cuts = [k for k, item in sorted(data.planned.items()) if item.last.rule in CUT_CORNERS]
     return next(iter(cuts or sorted(data.planned)), None)
 
 
@@ -104,27 +105,25 @@ def draw_corner(data: FlightData, k: int | None, out: Path) -> None:
         item = data.planned[k]
         record, first = item.last, item.first
         axes.set_title(
-            f"Corner {k}: {record['rule']}, L = {record['lag_m']:.0f} m, "
-            f"predicted L(k+1) = {record['next_lag_m']:.0f} m"
+            f"Corner {k}: {record.rule}, L = {record.lag_m:.0f} m, "
+            f"predicted L(k+1) = {record.next_lag_m:.0f} m"
         )
-        onset = record["onset_time_s"]
-        last = onset + record["length_m"] / record["speed_mps"] + 15.0
+        onset = record.onset_time_s
+        last = onset + record.length_m / record.speed_mps + 15.0
         for track, colour, name in (
             (data.helicopter, HELICOPTER, "helicopter, flown"),
             (data.uav, UAV, "UAV, flown"),
         ):
             part = track.between(onset - 15.0, last)
             axes.plot(*part.xy_m.T, color=colour, lw=1.8, label=name)
-        path = np.array(record["path"])
+        path = item.curve
         axes.plot(*path.T, "--", color=PLAN, lw=1.5, label="UAV, planned")
         low, high = path.min(axis=0) - 150.0, path.max(axis=0) + 150.0
         near = item.waypoints[np.all((item.waypoints > low) & (item.waypoints < high), axis=1)]
         if len(near):
             axes.plot(*near.T, "x", color="k", ms=6, label="commanded waypoints")
-        axes.plot(
-            *first["stop"][:2], "o", mfc="none", mec="k", ms=14, label="first corner estimate"
-        )
-        axes.plot(*record["stop"][:2], "k+", ms=12, mew=2, label="final corner estimate")
+        axes.plot(*first.stop[:2], "o", mfc="none", mec="k", ms=14, label="first corner estimate")
+        axes.plot(*record.stop[:2], "k+", ms=12, mew=2, label="final corner estimate")
         axes.legend(loc="best", fontsize=9)
     figure.savefig(out, dpi=110)
 

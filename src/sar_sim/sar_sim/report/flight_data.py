@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,13 +10,16 @@ import numpy as np
 
 from sar_estimator.common import topics
 from sar_estimator.common.conversions import (
-    from_stamp,
+    list_id_of,
     odometry_to_motion,
     path_to_points,
     to_yaw,
 )
+from sar_estimator.common.reports import CornerRecord, MonitorReport
 from sar_sim.bags.bag import read_messages
 from sar_sim.report.coverage import FloatArray
+from sar_sim.world.helicopter import CornerTruth
+from sar_sim.world.wires import ALL_WIRES
 
 ODOMETRY = {
     topics.HELICOPTER_ODOMETRY,
@@ -25,14 +27,16 @@ ODOMETRY = {
     topics.TRUE_HELICOPTER,
     topics.TRUE_UAV,
 }
-TEXTS = {
+LISTS = {topics.WAYPOINTS, topics.CORNER_PATH}
+STATUSES = {
     topics.TRUE_CORNER,
     topics.CORNER_PLAN,
     topics.MISSION,
     topics.SCENARIO,
     topics.MONITOR,
 }
-WANTED = ODOMETRY | TEXTS | {topics.WAYPOINTS}
+WANTED = ODOMETRY | LISTS | STATUSES
+NOWHERE = np.empty((0, 2))
 
 
 @dataclass
@@ -61,18 +65,22 @@ class Track:
 
 @dataclass
 class PlannedCorner:
-    """Every record of one corner, oldest first, and the waypoints of its last list."""
+    """Every record of one corner, oldest first; of the last the waypoints and the planned curve.
 
-    records: list[dict[str, Any]]
+    ``waypoints``, ``curve``: shape (n, 2) [m].
+    """
+
+    records: list[CornerRecord]
     waypoints: FloatArray
+    curve: FloatArray
 
     @property
-    def first(self) -> dict[str, Any]:
+    def first(self) -> CornerRecord:
         """The first decision."""
         return self.records[0]
 
     @property
-    def last(self) -> dict[str, Any]:
+    def last(self) -> CornerRecord:
         """The decision that was flown."""
         return self.records[-1]
 
@@ -81,50 +89,55 @@ class PlannedCorner:
 class FlightData:
     """A flight. ``helicopter`` and ``uav`` are the true tracks where the bag has them.
 
-    ``planned``: by corner number. ``corners``: the true corners. ``scenario``: what the simulation
-    was told, empty for a real flight. ``monitor``: the monitor's last state, empty without one.
+    ``planned``: by corner number. ``corners``: the true corners. ``mission``: the parameters that
+    were flown with, ``scenario``: what was simulated, empty for a real flight; both as texts by
+    key, since they may be of another version. ``monitor``: the monitor's last report.
     """
 
     helicopter: Track
     uav: Track
     planned: dict[int, PlannedCorner]
-    corners: list[dict[str, Any]]
+    corners: list[CornerTruth]
     mission: dict[str, Any]
     scenario: dict[str, Any]
-    monitor: dict[str, Any]
+    monitor: MonitorReport
     simulated: bool
 
 
 def read_flight(bag: Path) -> FlightData:
     """Read a bag. Raises ``ValueError`` when it has no position of either aircraft."""
     samples: dict[str, list[tuple[float, float, float, float]]] = {}
-    lists: dict[float, FloatArray] = {}
-    records: dict[int, list[dict[str, Any]]] = {}
-    texts: dict[str, list[dict[str, Any]]] = {}
+    lists: dict[tuple[str, int], FloatArray] = {}
+    records: dict[int, list[CornerRecord]] = {}
+    told: dict[str, list[Any]] = {}
     for topic, _, message in read_messages(bag, WANTED):
         if topic in ODOMETRY:
             motion = odometry_to_motion(message)
             yaw = to_yaw(message.pose.pose.orientation)
             samples.setdefault(topic, []).append((motion.time_s, motion.x_m, motion.y_m, yaw))
-        elif topic == topics.WAYPOINTS:
-            lists[round(from_stamp(message.header.stamp), 6)] = path_to_points(message)
+        elif topic in LISTS:
+            lists[topic, list_id_of(message)] = path_to_points(message)
         elif topic == topics.CORNER_PLAN:
-            record = json.loads(message.data)
-            records.setdefault(int(record["k"]), []).append(record)
+            record = ALL_WIRES[topic].from_message(message)
+            records.setdefault(record.k, []).append(record)
         else:
-            texts.setdefault(topic, []).append(json.loads(message.data))
+            told.setdefault(topic, []).append(ALL_WIRES[topic].from_message(message))
     planned = {
-        k: PlannedCorner(found, lists.get(round(found[-1]["list_time_s"], 6), np.empty((0, 2))))
+        k: PlannedCorner(
+            found,
+            lists.get((topics.WAYPOINTS, found[-1].list_id), NOWHERE),
+            lists.get((topics.CORNER_PATH, found[-1].list_id), NOWHERE),
+        )
         for k, found in records.items()
     }
     return FlightData(
         helicopter=_track(samples, topics.TRUE_HELICOPTER, topics.HELICOPTER_ODOMETRY),
         uav=_track(samples, topics.TRUE_UAV, topics.UAV_ODOMETRY),
         planned=planned,
-        corners=texts.get(topics.TRUE_CORNER, []),
-        mission=(texts.get(topics.MISSION) or [{}])[-1],
-        scenario=(texts.get(topics.SCENARIO) or [{}])[-1],
-        monitor=(texts.get(topics.MONITOR) or [{}])[-1],
+        corners=told.get(topics.TRUE_CORNER, []),
+        mission=(told.get(topics.MISSION) or [{}])[-1],
+        scenario=(told.get(topics.SCENARIO) or [{}])[-1],
+        monitor=(told.get(topics.MONITOR) or [MonitorReport()])[-1],
         simulated=topics.TRUE_HELICOPTER in samples,
     )
 

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from sar_estimator.common.checked import read
 from sar_estimator.common.pose import Pose
 from sar_sim.report.coverage import Coverage, FloatArray, ideal_tracks, measure
 from sar_sim.report.flight_data import FlightData
 from sar_sim.scenario.scenario import Sensor
+from sar_sim.world.helicopter import CornerTruth
 
 SAMPLE_S = 0.1
 
@@ -26,10 +28,10 @@ def separation(data: FlightData) -> tuple[FloatArray, FloatArray]:
     return times, np.hypot(gap[:, 0], gap[:, 1])
 
 
-def true_lag_m(data: FlightData, corner: dict[str, Any]) -> float:
+def true_lag_m(data: FlightData, corner: CornerTruth) -> float:
     """Return L(k) [m]: the true along-track lag when the helicopter begins to slow."""
-    onset = Pose(*corner["onset"])
-    x, y = data.uav.at(np.array([corner["onset_time_s"]]))[0]
+    onset = corner.onset
+    x, y = data.uav.at(np.array([corner.onset_time_s]))[0]
     return -onset.along(float(x), float(y))
 
 
@@ -39,54 +41,53 @@ def extra_path_m(data: FlightData, k: int) -> float | None:
     From its position when the helicopter began to slow to the finish line across the end of the
     planned path; None when it did not cross it.
     """
-    record = data.planned[k].last
-    path = np.array(record["path"])
+    record, path = data.planned[k].last, data.planned[k].curve
+    if len(path) < 2:
+        return None
     end, before = path[-1], path[-2]
     heading = math.atan2(end[1] - before[1], end[0] - before[0])
     finish = Pose(float(end[0]), float(end[1]), heading)
-    onset = record["onset_time_s"]
-    track = data.uav.between(onset, onset + 3.0 * record["length_m"] / record["speed_mps"])
+    onset = record.onset_time_s
+    track = data.uav.between(onset, onset + 3.0 * record.length_m / record.speed_mps)
     if len(track) < 2:
         return None
     along = np.array([finish.along(x, y) for x, y in track.xy_m])
     near = np.array([abs(finish.across(x, y)) < 150.0 for x, y in track.xy_m])
     crossed = np.flatnonzero((along[1:] >= 0.0) & (along[:-1] < 0.0) & near[1:])
-    crossed = crossed[
-        track.times_s[crossed] - onset > 0.5 * record["length_m"] / record["speed_mps"]
-    ]
+    crossed = crossed[track.times_s[crossed] - onset > 0.5 * record.length_m / record.speed_mps]
     if crossed.size == 0:
         return None
     last = int(crossed[0])
     share = -along[last] / (along[last + 1] - along[last])
     steps = np.hypot(*np.diff(track.xy_m[: last + 2], axis=0).T)
     steps[-1] *= share
-    begun = (track.times_s[0] - onset) * record["speed_mps"]
-    return float(steps.sum() + begun - record["length_m"])
+    begun = (track.times_s[0] - onset) * record.speed_mps
+    return float(steps.sum() + begun - record.length_m)
 
 
-def detection_delay_s(data: FlightData, corner: dict[str, Any]) -> float | None:
+def detection_delay_s(data: FlightData, corner: CornerTruth) -> float | None:
     """Return how long after the true onset the corner was first planned [s]."""
-    planned = data.planned.get(int(corner["k"]))
+    planned = data.planned.get(corner.k)
     if planned is None:
         return None
-    return float(planned.first["estimated_at_s"]) - float(corner["onset_time_s"])
+    return planned.first.estimated_at_s - corner.onset_time_s
 
 
 def coverage(data: FlightData) -> Coverage | None:
     """Return the coverage of the legs as flown; None without any corner."""
     if data.corners:
-        stops = [corner.get("crossing_m", corner["stop"][:2]) for corner in data.corners]
+        stops = [corner.crossing_m for corner in data.corners]
     else:
-        stops = [item.last["stop"][:2] for _, item in sorted(data.planned.items())]
+        stops = [item.last.stop[:2] for _, item in sorted(data.planned.items())]
     if not stops or len(data.helicopter) < 2 or len(data.uav) < 2:
         return None
-    sensor = Sensor(**data.scenario.get("sensor", {}))
+    sensor = read(Sensor, data.scenario.get("sensor", {}), "sensor", texts=True)
     mission = data.mission
     points = np.vstack((data.helicopter.xy_m[0], stops, data.helicopter.xy_m[-1]))
     ideal = ideal_tracks(
         points,
-        spacing_m=mission["corner"]["spacing_m"],
-        turn_side=mission["mission"]["turn_side"],
+        spacing_m=float(mission["corner"]["spacing_m"]),
+        turn_side=int(mission["mission"]["turn_side"]),
     )
     return measure(
         data.helicopter.xy_m,
@@ -101,15 +102,15 @@ def flight_metrics(data: FlightData, area: Coverage | None) -> dict[str, Any]:
     """Return everything that goes into ``metrics.json``; lists are by corner, from k = 1."""
     times, distances = separation(data)
     planned = [data.planned[k] for k in sorted(data.planned)]
-    truths = {int(corner["k"]): corner for corner in data.corners}
+    truths = {corner.k: corner for corner in data.corners}
     errors, first_errors = [], []
     for k in sorted(data.planned):
         item = data.planned[k]
         if k in truths:
-            stop = truths[k]["stop"]
-            errors.append(math.dist(item.last["stop"][:2], stop[:2]))
-            first_errors.append(math.dist(item.first["stop"][:2], stop[:2]))
-    measured = [item.last["lag_m"] for item in planned]
+            stop = truths[k].stop
+            errors.append(math.dist(item.last.stop[:2], stop[:2]))
+            first_errors.append(math.dist(item.first.stop[:2], stop[:2]))
+    measured = [item.last.lag_m for item in planned]
     lags = [true_lag_m(data, corner) for corner in data.corners] if data.corners else measured
     best = int(distances.argmin()) if distances.size else None
     return {
@@ -118,8 +119,8 @@ def flight_metrics(data: FlightData, area: Coverage | None) -> dict[str, Any]:
         "corners": len(truths) if data.simulated else len(planned),
         "lag_m": lags,
         "lag_measured_m": measured,
-        "rules": [item.last["rule"] for item in planned],
-        "next_lag_predicted_m": [item.last["next_lag_m"] for item in planned],
+        "rules": [item.last.rule for item in planned],
+        "next_lag_predicted_m": [item.last.next_lag_m for item in planned],
         "extra_path_m": [extra_path_m(data, k) for k in sorted(data.planned)],
         "min_separation_m": None if best is None else float(distances[best]),
         "min_separation_s": None if best is None else float(times[best] - times[0]),
@@ -128,7 +129,10 @@ def flight_metrics(data: FlightData, area: Coverage | None) -> dict[str, Any]:
         "overlap_percent": None if area is None else area.overlap_percent,
         "claimed_km2": None if area is None else area.claimed_m2 / 1e6,
         "detection_delay_s": [detection_delay_s(data, corner) for corner in data.corners],
-        "monitor": {key: data.monitor.get(key, {}) for key in ("thresholds", "counts")},
+        "monitor": {
+            "thresholds": dict(data.monitor.thresholds),
+            "counts": dict(data.monitor.counts),
+        },
         "corner_error_m": errors,
         "first_corner_error_m": first_errors,
     }

@@ -42,7 +42,7 @@ def write_report(bag: Path, out: Path) -> dict[str, Any]:
     draw_map(data, area, out / "map.png")
     draw_corner(data, corner_to_draw(data), out / "corner.png")
     draw_lag(metrics, out / "lag.png")
-    name = data.scenario.get("name", "flight")
+    name = str(data.scenario.get("name", "flight"))
     (out / "report.html").write_text(_page(name, metrics, out), encoding="utf-8")
     return metrics
 

@@ -7,6 +7,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+from sar_estimator.common.checked import changed
 from sar_estimator.estimation.parameters import EstimatorParameters
 from sar_sim.scenario.scenario import Scenario, ScenarioError, load_scenario
 
@@ -74,7 +75,7 @@ def scenario_from(args: argparse.Namespace) -> Scenario:
             uav=replace(scenario.uav, seed=args.seed),
         )
     if args.lag is not None:
-        scenario = replace(scenario, uav=replace(scenario.uav, lag_m=args.lag))
+        scenario = replace(scenario, uav=changed(scenario.uav, lag_m=args.lag))
     return scenario
 
 

@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import MISSING, asdict, dataclass, field, fields, is_dataclass
+from dataclasses import asdict, field
 from pathlib import Path
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal
 
 import yaml
+from pydantic import Field
+from pydantic.dataclasses import dataclass
 
+from sar_estimator.common.checked import (
+    CHECKED,
+    Count,
+    NotNegative,
+    Positive,
+    Share,
+    Side,
+    Word,
+    read,
+)
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import blown_mps
 from sar_planner.parameters.corner import CornerParameters
@@ -26,21 +38,24 @@ FAULTS: dict[str, tuple[str, ...]] = {
     "dds": ("off",),
     **dict.fromkeys(NODES, ("off", "stuck")),
 }
-ODD_ACTIONS = ("other_way", "go_on", "break_off")
+OddAction = Literal["other_way", "go_on", "break_off"]
+PilotKind = Literal["robot", "steady", "human", "rough"]
+Receiver = Literal["plain", "white", "modern", "old"]
+AutopilotKind = Literal["ideal", "arduplane", "piccolo2005"]
 
 
 class ScenarioError(ValueError):
     """A scenario that cannot be flown; the message names file, key, value and expectation."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=CHECKED)
 class Sensor:
     """The camera: altitude A [m], sweep beta [deg], redundancy f, footprint disc or square."""
 
-    altitude_m: float = 150.0
-    sweep_deg: float = 79.6
-    redundancy: float = 0.0
-    footprint: str = "disc"
+    altitude_m: Positive = 150.0
+    sweep_deg: Annotated[float, Field(gt=0.0, lt=180.0)] = 79.6
+    redundancy: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
+    footprint: Literal["disc", "square"] = "disc"
 
     @property
     def radius_m(self) -> float:
@@ -48,24 +63,24 @@ class Sensor:
         return self.altitude_m * math.tan(math.radians(self.sweep_deg) / 2.0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=CHECKED)
 class Pattern:
     """The expanding square: heading is a compass heading [deg]; ``turn_side`` 1 right, -1 left.
 
     ``track_spacing_m``: between the helicopter's neighbouring parallel tracks.
     """
 
-    first_leg_m: float = 2000.0
-    last_leg_m: float = 1500.0
-    corners: int = 8
+    first_leg_m: Positive = 2000.0
+    last_leg_m: Positive = 1500.0
+    corners: Count = 8
     heading_deg: float = 0.0
-    turn_side: int = 1
-    track_spacing_m: float = 500.0
+    turn_side: Side = 1
+    track_spacing_m: Positive = 500.0
     start_east_m: float = 0.0
     start_north_m: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=CHECKED)
 class Pilot:
     """How the pilot departs from the model: drawn leg by leg from the seed.
 
@@ -91,37 +106,37 @@ class Pilot:
     with ``bank_deg`` at ``roll_mps``, ``roll_spread_mps`` more or less.
     """
 
-    speed_sigma_mps: float = 0.0
-    accel_spread: float = 0.0
-    corner_sigma_m: float = 0.0
-    hover_s: float = 0.0
-    hover_spread_s: float = 0.0
-    turn_spread_deg: float = 0.0
-    speed_drift_mps: float = 0.0
-    odd_corner: int = 0
-    odd_action: str = "go_on"
+    speed_sigma_mps: NotNegative = 0.0
+    accel_spread: NotNegative = 0.0
+    corner_sigma_m: NotNegative = 0.0
+    hover_s: NotNegative = 0.0
+    hover_spread_s: NotNegative = 0.0
+    turn_spread_deg: NotNegative = 0.0
+    speed_drift_mps: NotNegative = 0.0
+    odd_corner: Annotated[int, Field(ge=0)] = 0
+    odd_action: OddAction = "go_on"
     seed: int = 1
-    kind: str = "robot"
-    wander_along_mps: float = 0.0
-    wander_across_mps: float = 0.0
-    wander_time_s: float = 16.0
-    wander_damping: float = 0.7
-    gust_mps2: float = 0.0
-    gust_time_s: float = 3.0
-    heading_sigma_deg: float = 0.0
-    buildup_s: float = 0.0
-    accel_low_mps2: float = 1.2
+    kind: PilotKind = "robot"
+    wander_along_mps: NotNegative = 0.0
+    wander_across_mps: NotNegative = 0.0
+    wander_time_s: Positive = 16.0
+    wander_damping: Positive = 0.7
+    gust_mps2: NotNegative = 0.0
+    gust_time_s: Positive = 3.0
+    heading_sigma_deg: NotNegative = 0.0
+    buildup_s: NotNegative = 0.0
+    accel_low_mps2: Positive = 1.2
     accel_high_mps2: float = 3.5
-    accel_wobble: float = 0.0
-    flare_mps: float = 0.0
-    yaw_rate_dps: float = 0.0
-    leave_early_deg: float = 0.0
-    pass_share: float = 0.0
-    pass_mps: float = 4.0
-    roll_share: float = 0.0
+    accel_wobble: NotNegative = 0.0
+    flare_mps: NotNegative = 0.0
+    yaw_rate_dps: NotNegative = 0.0
+    leave_early_deg: NotNegative = 0.0
+    pass_share: Share = 0.0
+    pass_mps: NotNegative = 4.0
+    roll_share: Share = 0.0
     roll_mps: float = 12.0
-    roll_spread_mps: float = 0.0
-    bank_deg: float = 20.0
+    roll_spread_mps: NotNegative = 0.0
+    bank_deg: Annotated[float, Field(gt=0.0, lt=60.0)] = 20.0
 
     @property
     def is_human(self) -> bool:
@@ -129,7 +144,7 @@ class Pilot:
         return any(getattr(self, name) > 0.0 for name in HUMAN)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=CHECKED)
 class Gps:
     """The receiver in the helicopter.
 
@@ -140,18 +155,18 @@ class Gps:
     ``receiver``: plain, white, modern or old; in YAML it sets the defaults of the rest.
     """
 
-    rate_hz: float = 1.0
-    sigma_m: float = 0.0
-    dropout: float = 0.0
-    doppler_sigma_mps: float = 0.0
+    rate_hz: Annotated[float, Field(ge=0.5, le=10.0)] = 1.0
+    sigma_m: NotNegative = 0.0
+    dropout: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
+    doppler_sigma_mps: NotNegative = 0.0
     seed: int = 1
-    receiver: str = "plain"
-    bias_sigma_m: float = 0.0
-    bias_time_s: float = 60.0
-    correlated_sigma_m: float = 0.0
-    correlated_time_s: float = 5.0
-    latency_s: float = 0.0
-    latency_per_mps_s: float = 0.0
+    receiver: Receiver = "plain"
+    bias_sigma_m: NotNegative = 0.0
+    bias_time_s: Positive = 60.0
+    correlated_sigma_m: NotNegative = 0.0
+    correlated_time_s: Positive = 5.0
+    latency_s: NotNegative = 0.0
+    latency_per_mps_s: NotNegative = 0.0
 
     @property
     def told_sigma_m(self) -> float:
@@ -159,7 +174,7 @@ class Gps:
         return max(0.1, math.hypot(self.sigma_m, self.bias_sigma_m, self.correlated_sigma_m))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=CHECKED)
 class Uav:
     """The unmanned aeroplane: where it starts and how it flies.
 
@@ -180,30 +195,30 @@ class Uav:
     """
 
     lag_m: float = 800.0
-    autopilot: str = "ideal"
-    min_radius_m: float = 80.0
-    accel_limit_mps2: float = 1.0
-    roll_lag_s: float = 0.0
-    speed_lag_s: float = 0.0
-    lookahead_m: float = 8.0
-    l1_period_s: float = 15.0
-    l1_damping: float = 0.75
-    wp_radius_m: float = 50.0
-    roll_limit_deg: float = 65.0
-    turn_share: float = 0.79
-    believed_radius_m: float = 0.0
-    airspeed_min_mps: float = 10.0
-    airspeed_max_mps: float = 30.0
-    airspeed_ratio: float = 1.0
-    loiter_radius_m: float = 80.0
-    item_s: float = 0.0
-    extra_path_min_m: float = 0.0
-    extra_path_max_m: float = 0.0
-    widest_radius_m: float = 0.0
+    autopilot: AutopilotKind = "ideal"
+    min_radius_m: Positive = 80.0
+    accel_limit_mps2: Positive = 1.0
+    roll_lag_s: NotNegative = 0.0
+    speed_lag_s: NotNegative = 0.0
+    lookahead_m: Positive = 8.0
+    l1_period_s: Positive = 15.0
+    l1_damping: Positive = 0.75
+    wp_radius_m: Positive = 50.0
+    roll_limit_deg: Annotated[float, Field(gt=0.0, lt=90.0)] = 65.0
+    turn_share: Positive = 0.79
+    believed_radius_m: NotNegative = 0.0
+    airspeed_min_mps: Positive = 10.0
+    airspeed_max_mps: Positive = 30.0
+    airspeed_ratio: Positive = 1.0
+    loiter_radius_m: Positive = 80.0
+    item_s: NotNegative = 0.0
+    extra_path_min_m: NotNegative = 0.0
+    extra_path_max_m: NotNegative = 0.0
+    widest_radius_m: NotNegative = 0.0
     seed: int = 1
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=CHECKED)
 class Wind:
     """Wind: its mean, from a compass direction [deg], and gusts about it [m/s].
 
@@ -211,10 +226,10 @@ class Wind:
     constant of ``gust_time_s`` (first-order, as Dryden's longitudinal gusts), drawn from ``seed``.
     """
 
-    speed_mps: float = 0.0
+    speed_mps: NotNegative = 0.0
     from_deg: float = 0.0
-    gust_sigma_mps: float = 0.0
-    gust_time_s: float = 15.0
+    gust_sigma_mps: NotNegative = 0.0
+    gust_time_s: Positive = 15.0
     seed: int = 1
 
     @property
@@ -223,7 +238,7 @@ class Wind:
         return blown_mps(self.speed_mps, self.from_deg)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=CHECKED)
 class Fault:
     """Something that fails: ``component``, and how: ``kind``, from ``at_s`` on for ``for_s``.
 
@@ -234,28 +249,26 @@ class Fault:
     """
 
     component: str
-    kind: str
-    at_s: float
-    for_s: float = 30.0
+    kind: Word
+    at_s: NotNegative
+    for_s: NotNegative = 30.0
     size: float = 0.5
 
     def __post_init__(self) -> None:
-        """Check what is asked for."""
-        known = ", ".join(FAULTS)
-        _expect("component", self.component, f"one of {known}", ok=self.component in FAULTS)
+        """Check what goes together."""
+        known = self.component in FAULTS
+        _expect("component", self.component, f"one of {', '.join(FAULTS)}", known)
         kinds = FAULTS[self.component]
-        _expect("kind", self.kind, f"one of {', '.join(kinds)}", ok=self.kind in kinds)
-        for name in ("at_s", "for_s", "size"):
-            value = getattr(self, name)
-            if not (name == "size" and self.component == "clock"):
-                _expect(name, value, "0 or more", ok=value >= 0.0)
+        _expect("kind", self.kind, f"one of {', '.join(kinds)}", self.kind in kinds)
+        # A clock may be wrong by either sign.
+        _expect("size", self.size, "0 or more", self.component == "clock" or self.size >= 0.0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=CHECKED)
 class Scenario:
     """A whole mission."""
 
-    name: str = "paper"
+    name: Word = "paper"
     datum: Datum = field(default_factory=lambda: Datum(37.8, -122.8, 0.0))
     corner: CornerParameters = field(default_factory=CornerParameters)
     sensor: Sensor = field(default_factory=Sensor)
@@ -264,230 +277,59 @@ class Scenario:
     gps: Gps = field(default_factory=Gps)
     uav: Uav = field(default_factory=Uav)
     wind: Wind = field(default_factory=Wind)
-    arc_spacing_m: float = 10.0
+    arc_spacing_m: NotNegative = 10.0
     faults: list[Fault] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """Check every bound that the types do not."""
-        _expect(
-            "sensor.footprint",
-            self.sensor.footprint,
-            "disc or square",
-            ok=self.sensor.footprint in ("disc", "square"),
-        )
-        _expect(
-            "sensor.sweep_deg",
-            self.sensor.sweep_deg,
-            "between 0 and 180",
-            ok=0.0 < self.sensor.sweep_deg < 180.0,
-        )
-        _expect(
-            "sensor.redundancy",
-            self.sensor.redundancy,
-            "0 or more, less than 1",
-            ok=0.0 <= self.sensor.redundancy < 1.0,
-        )
-        _expect(
-            "pattern.turn_side",
-            self.pattern.turn_side,
-            "1 (right) or -1 (left)",
-            ok=self.pattern.turn_side in (1, -1),
-        )
-        _expect(
-            "pilot.odd_action",
-            self.pilot.odd_action,
-            f"one of {', '.join(ODD_ACTIONS)}",
-            ok=self.pilot.odd_action in ODD_ACTIONS,
-        )
-        _expect(
-            "pilot.kind",
-            self.pilot.kind,
-            f"one of {', '.join(PILOTS)}",
-            ok=self.pilot.kind in PILOTS,
-        )
-        _expect(
-            "gps.receiver",
-            self.gps.receiver,
-            f"one of {', '.join(RECEIVERS)}",
-            ok=self.gps.receiver in RECEIVERS,
-        )
+        """Check what goes together."""
+        pilot, uav = self.pilot, self.uav
         _expect(
             "pilot.roll_mps",
-            self.pilot.roll_mps,
+            pilot.roll_mps,
             "more than pilot.roll_spread_mps, with that less than corner.speed_mps",
-            ok=self.pilot.roll_spread_mps
-            < self.pilot.roll_mps
-            < self.corner.speed_mps - self.pilot.roll_spread_mps,
-        )
-        _expect(
-            "pilot.bank_deg",
-            self.pilot.bank_deg,
-            "between 0 and 60",
-            ok=0.0 < self.pilot.bank_deg < 60.0,
-        )
-        for name in ("pass_share", "roll_share"):
-            value = getattr(self.pilot, name)
-            _expect(f"pilot.{name}", value, "0 to 1", ok=0.0 <= value <= 1.0)
-        _expect("pattern.corners", self.pattern.corners, "1 or more", ok=self.pattern.corners >= 1)
-        _expect("gps.rate_hz", self.gps.rate_hz, "0.5 to 10", ok=0.5 <= self.gps.rate_hz <= 10.0)
-        _expect(
-            "gps.dropout",
-            self.gps.dropout,
-            "0 or more, less than 1",
-            ok=0.0 <= self.gps.dropout < 1.0,
-        )
-        _expect(
-            "uav.autopilot",
-            self.uav.autopilot,
-            f"one of {', '.join(AUTOPILOTS)}",
-            ok=self.uav.autopilot in AUTOPILOTS,
+            pilot.roll_spread_mps < pilot.roll_mps < self.corner.speed_mps - pilot.roll_spread_mps,
         )
         _expect(
             "uav.airspeed_min_mps",
-            self.uav.airspeed_min_mps,
-            "more than 0, less than uav.airspeed_max_mps",
-            ok=0.0 < self.uav.airspeed_min_mps < self.uav.airspeed_max_mps,
-        )
-        _expect(
-            "uav.roll_limit_deg",
-            self.uav.roll_limit_deg,
-            "between 0 and 90",
-            ok=0.0 < self.uav.roll_limit_deg < 90.0,
+            uav.airspeed_min_mps,
+            "less than uav.airspeed_max_mps",
+            uav.airspeed_min_mps < uav.airspeed_max_mps,
         )
         _expect(
             "uav.min_radius_m",
-            self.uav.min_radius_m,
-            "not more than corner.turn_radius_m or uav.widest_radius_m, and more than 0",
-            ok=0.0
-            < self.uav.min_radius_m
-            <= max(self.corner.turn_radius_m, self.uav.widest_radius_m),
+            uav.min_radius_m,
+            "not more than corner.turn_radius_m or uav.widest_radius_m",
+            uav.min_radius_m <= max(self.corner.turn_radius_m, uav.widest_radius_m),
         )
         _expect(
             "uav.extra_path_max_m",
-            self.uav.extra_path_max_m,
+            uav.extra_path_max_m,
             "not less than uav.extra_path_min_m",
-            ok=self.uav.extra_path_max_m >= self.uav.extra_path_min_m,
+            uav.extra_path_max_m >= uav.extra_path_min_m,
         )
-        for group, name in (
-            ("sensor", "altitude_m"),
-            ("pattern", "first_leg_m"),
-            ("pattern", "last_leg_m"),
-            ("pattern", "track_spacing_m"),
-            ("uav", "accel_limit_mps2"),
-            ("uav", "airspeed_ratio"),
-            ("uav", "lookahead_m"),
-            ("uav", "loiter_radius_m"),
-            ("uav", "l1_period_s"),
-            ("uav", "l1_damping"),
-            ("uav", "wp_radius_m"),
-            ("uav", "turn_share"),
-            ("wind", "gust_time_s"),
-            ("pilot", "wander_time_s"),
-            ("pilot", "wander_damping"),
-            ("pilot", "gust_time_s"),
-            ("pilot", "accel_low_mps2"),
-            ("gps", "bias_time_s"),
-            ("gps", "correlated_time_s"),
-        ):
-            value = getattr(getattr(self, group), name)
-            _expect(f"{group}.{name}", value, "more than 0", ok=value > 0.0)
-        for group, name in (
-            ("pilot", "speed_sigma_mps"),
-            ("pilot", "accel_spread"),
-            ("pilot", "corner_sigma_m"),
-            ("pilot", "hover_s"),
-            ("pilot", "hover_spread_s"),
-            ("pilot", "turn_spread_deg"),
-            ("pilot", "speed_drift_mps"),
-            ("pilot", "odd_corner"),
-            ("pilot", "wander_along_mps"),
-            ("pilot", "wander_across_mps"),
-            ("pilot", "gust_mps2"),
-            ("pilot", "heading_sigma_deg"),
-            ("pilot", "buildup_s"),
-            ("pilot", "accel_wobble"),
-            ("pilot", "flare_mps"),
-            ("pilot", "yaw_rate_dps"),
-            ("pilot", "leave_early_deg"),
-            ("pilot", "pass_mps"),
-            ("pilot", "roll_spread_mps"),
-            ("gps", "bias_sigma_m"),
-            ("gps", "correlated_sigma_m"),
-            ("gps", "latency_s"),
-            ("gps", "latency_per_mps_s"),
-            ("gps", "sigma_m"),
-            ("gps", "doppler_sigma_mps"),
-            ("uav", "roll_lag_s"),
-            ("uav", "speed_lag_s"),
-            ("uav", "item_s"),
-            ("uav", "extra_path_min_m"),
-            ("uav", "widest_radius_m"),
-            ("uav", "believed_radius_m"),
-            ("wind", "speed_mps"),
-            ("wind", "gust_sigma_mps"),
-        ):
-            value = getattr(getattr(self, group), name)
-            _expect(f"{group}.{name}", value, "0 or more", ok=value >= 0.0)
-        _expect("arc_spacing_m", self.arc_spacing_m, "0 or more", ok=self.arc_spacing_m >= 0.0)
 
 
-# Which key of a part names what sets the defaults of its others.
-PRESETS: dict[type, tuple[str, dict[str, dict[str, float]]]] = {
-    Uav: ("autopilot", AUTOPILOTS),
-    Pilot: ("kind", PILOTS),
-    Gps: ("receiver", RECEIVERS),
-}
-
-
-def _expect(key: str, value: object, expected: str, *, ok: bool) -> None:
+def _expect(key: str, value: object, expected: str, ok: bool) -> None:  # noqa: FBT001
     if not ok:
-        raise ScenarioError(f"{key} = {value}: expected {expected}")
+        raise ScenarioError(f"{key} = {value!r}: expected {expected}")
 
 
-def _convert(key: str, value: object, wanted: object) -> Any:
-    """Return a YAML value as a field's type. Raises ``ScenarioError`` naming the key."""
-    if isinstance(wanted, type) and is_dataclass(wanted):
-        return _build(wanted, value, key)
-    if get_origin(wanted) is list:
-        if not isinstance(value, list):
-            raise ScenarioError(f"{key} = {value!r}: expected a list")
-        return [_convert(f"{key}[{i}]", item, get_args(wanted)[0]) for i, item in enumerate(value)]
-    if wanted is str and isinstance(value, bool):
-        value = "on" if value else "off"  # what YAML 1.1 makes of these words
-    if wanted is str and isinstance(value, str):
-        return value
-    if value is None and wanted == (float | None):
-        return None
-    if wanted is not str and isinstance(value, int | float) and not isinstance(value, bool):
-        if wanted is int and float(value).is_integer():
-            return int(value)
-        if wanted is not int and math.isfinite(value):
-            return float(value)
-    expected = "a text" if wanted is str else "a whole number" if wanted is int else "a number"
-    raise ScenarioError(f"{key} = {value!r}: expected {expected}")
+# Which key of which part names what sets the defaults of its others.
+PRESETS: tuple[tuple[str, str, dict[str, dict[str, float]]], ...] = (
+    ("uav", "autopilot", AUTOPILOTS),
+    ("pilot", "kind", PILOTS),
+    ("gps", "receiver", RECEIVERS),
+)
 
 
-def _build(kind: Any, value: object, prefix: str) -> Any:
-    if not isinstance(value, dict):
-        raise ScenarioError(f"{prefix or 'scenario'} = {value!r}: expected a mapping")
-    hints = get_type_hints(kind)
-    given = {}
-    for key, item in value.items():
-        name = f"{prefix}.{key}" if prefix else str(key)
-        if key not in hints:
-            raise ScenarioError(f"{name}: unknown key, expected one of {', '.join(hints)}")
-        given[key] = _convert(name, item, hints[key])
-    for item in fields(kind):
-        absent = item.name not in given
-        if absent and item.default is MISSING and item.default_factory is MISSING:
-            raise ScenarioError(f"{prefix}.{item.name}: missing")
-    if kind in PRESETS:
-        key, presets = PRESETS[kind]
-        given = {**presets.get(given.get(key, ""), {}), **given}
-    try:
-        return kind(**given)
-    except ScenarioError as error:
-        raise ScenarioError(f"{prefix}.{error}" if prefix else str(error)) from error
+def _with_presets(document: dict[str, Any]) -> dict[str, Any]:
+    """Return a document in which what is not said of a part is as its kind has it."""
+    filled = dict(document)
+    for part, key, presets in PRESETS:
+        given = document.get(part)
+        if isinstance(given, dict) and isinstance(given.get(key), str):
+            filled[part] = {**presets.get(given[key], {}), **given}
+    return filled
 
 
 def read_document(path: Path) -> dict[str, Any]:
@@ -506,8 +348,10 @@ def read_document(path: Path) -> dict[str, Any]:
 
 def scenario_of(document: dict[str, Any]) -> Scenario:
     """Return the scenario that a document describes. Raises ``ScenarioError`` naming the key."""
-    scenario: Scenario = _build(Scenario, document, "")
-    return scenario
+    try:
+        return read(Scenario, _with_presets(document))
+    except ValueError as error:
+        raise ScenarioError(str(error)) from error
 
 
 def load_scenario(path: Path) -> Scenario:

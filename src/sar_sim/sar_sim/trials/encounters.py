@@ -9,12 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from sar_bridge.monitor.separation_monitor import SeparationMonitor
 from sar_estimator.common import topics
+from sar_estimator.common.checked import Side
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.reports import UavStatus, Uploaded, WaypointList
 from sar_estimator.common.states import FloatArray, Motion, list_id_at
@@ -25,7 +26,7 @@ from sar_sim.flight.bus import Bus
 from sar_sim.flight.offline import STEPS_PER_GUARD, STEPS_PER_TICK, monitor_for
 from sar_sim.flight.upload import SimulatedBridge
 from sar_sim.scenario.presets import AUTOPILOTS
-from sar_sim.scenario.scenario import Gps, Pattern, Pilot, Scenario, Uav, Wind
+from sar_sim.scenario.scenario import Gps, OddAction, Pattern, Pilot, Scenario, Uav, Wind
 from sar_sim.world.helicopter import Helicopter
 from sar_sim.world.world import World
 
@@ -71,9 +72,9 @@ class Encounter:
 
 def random_scenario(rng: np.random.Generator, seed: int) -> Scenario:
     """Return a helicopter on a pattern, flown by a human, and a UAV about its slot."""
-    side = 1 if rng.uniform() < 0.5 else -1
+    side: Side = 1 if rng.uniform() < 0.5 else -1
     odd = int(rng.integers(0, 4))
-    action = str(rng.choice(("other_way", "go_on", "break_off")))
+    action: OddAction = rng.choice(get_args(OddAction)).item()
     dynamics: dict[str, Any] = {**AUTOPILOTS["arduplane"]}
     return Scenario(
         name="encounter",

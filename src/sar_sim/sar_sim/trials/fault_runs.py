@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from sar_estimator.common import topics
+from sar_estimator.common.wires import WIRES
 from sar_sim.bags.bag import read_messages
 from sar_sim.report.flight_data import read_flight
 from sar_sim.report.metrics import separation, true_lag_m
@@ -142,9 +142,9 @@ def read_run(fault: Fault, bag: Path) -> FaultRun:
             continue  # what was recorded before and after it was set back is mixed here
         if topic == topics.MODE and (not modes or modes[-1] != message.data):
             modes.append(message.data)
-        if topic == topics.MONITOR and json.loads(message.data)["alert"] != alert:
-            alert = json.loads(message.data)["alert"]
-            if alert == "escape":
+        if topic == topics.MONITOR:
+            was, alert = alert, WIRES[topic].from_message(message).alert
+            if alert == "escape" != was:
                 modes.append("away")
         if topic == topics.DIAGNOSTICS:
             for problem in _problems(message):

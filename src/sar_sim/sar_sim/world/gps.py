@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
+from sar_estimator.common import reports, topics
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.states import FloatArray, Motion
@@ -32,6 +33,14 @@ class Reception:
 
     fix: Fix
     velocity: Velocity | None = None
+
+    def told(self) -> list[tuple[str, Any]]:
+        """Return what is published of it, by topic."""
+        found: list[tuple[str, Any]] = []
+        if self.velocity is not None:
+            velocity = reports.Velocity(self.fix.time_s, self.velocity.vx_mps, self.velocity.vy_mps)
+            found.append((topics.VELOCITY, velocity))
+        return [*found, (topics.FIX, self.fix)]
 
 
 class FixSource(Protocol):

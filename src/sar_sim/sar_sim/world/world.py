@@ -7,13 +7,12 @@ from collections import deque
 from dataclasses import replace
 
 import numpy as np
-from nav_msgs.msg import Odometry
 
 from sar_estimator.common import topics
-from sar_estimator.common.conversions import motion_to_odometry
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.pose import Pose
+from sar_estimator.common.reports import UavReport
 from sar_sim.autopilot.autopilot import SimAutopilot
 from sar_sim.autopilot.wind import Gusts
 from sar_sim.scenario.faults import clock_error_s
@@ -136,18 +135,17 @@ class World:
         epoch_s = self.epoch_s if self.helicopter is not None else 0.0
         return fix.time_s + epoch_s + self._clock_error_s
 
-    def truth(self, ros_time_s: float, *, uav: bool = True) -> list[tuple[str, Odometry]]:
-        """Return the true motions as topics and messages; ``uav``: whether its one is flown."""
+    def truth(self, ros_time_s: float, *, uav: bool = True) -> list[tuple[str, UavReport]]:
+        """Return the true motions by topic; ``uav``: whether its one is flown."""
         found = []
         if uav:
             flown = self.autopilot.motion.stamped(ros_time_s)
             yaw = self.autopilot.state.heading_rad
-            found.append((topics.TRUE_UAV, motion_to_odometry(flown, child="uav", yaw_rad=yaw)))
+            found.append((topics.TRUE_UAV, UavReport(flown, yaw)))
         if self.helicopter is not None:
             motion = self.helicopter.motion(self.time_s).stamped(ros_time_s)
             yaw = self.helicopter.heading_rad(self.time_s)
-            message = motion_to_odometry(motion, child="helicopter", yaw_rad=yaw)
-            found.append((topics.TRUE_HELICOPTER, message))
+            found.append((topics.TRUE_HELICOPTER, UavReport(motion, yaw)))
         return found
 
 

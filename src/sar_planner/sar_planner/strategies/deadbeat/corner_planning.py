@@ -9,7 +9,7 @@ from sar_estimator.common.states import CornerEstimate, Phase
 from sar_planner.guidance.waypoint_lists import PathListing
 from sar_planner.paths.flight_path import CornerFrame
 from sar_planner.rejoin.tracked_path import TrackedPath, final_lag_m, is_on_track
-from sar_planner.rules.corner_speed import catching_up_mps, hurried_plan, hurries_of
+from sar_planner.rules.corner_speed import catching_up_mps, sped_up_plan, speed_ups_of
 from sar_planner.rules.paper_rules import CornerPlan, Rule
 from sar_planner.strategies.active_corner import ActiveCorner, measured, unusable
 from sar_planner.strategies.deadbeat.rejoining import start_rejoining
@@ -70,12 +70,12 @@ def _rule_plan(
         return None
     parameters, lag_m = measured(estimate, frame, uav, tick.corner)
     passed_s = tick.now_s - estimate.onset_time_s + tick.mission.reaction_s
-    return hurried_plan(
+    return sped_up_plan(
         parameters,
         lag_m,
         lead_m=uav.speed_mps * max(0.0, passed_s),
         separations_m=tick.separations_m,
-        hurries=hurries_of(tick.air, estimate.speed_mps, tick.mission.corner_hurry),
+        speed_ups=speed_ups_of(tick.air, estimate.speed_mps, tick.mission.corner_speed_up),
         made_good=state.efficiency.share,
     )
 
@@ -139,5 +139,5 @@ def path_speed_mps(
     worth_m = lag_m if lag_m >= tick.mission.lag_tolerance_m else 0.0
     most_mps = tick.air.speeds_mps(helicopter_mps, tick.mission.speed_trim)[1]
     return catching_up_mps(
-        path_m, worth_m, helicopter_mps, hurry=speed_up, share=share, most_mps=most_mps
+        path_m, worth_m, helicopter_mps, speed_up=speed_up, share=share, most_mps=most_mps
     )
