@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sar_estimator.common.wires import WIRES
 from sar_estimator.estimation.parameters import VELOCITY_SIGMA_MPS, EstimatorParameters
 from sar_sim.bags.bag import open_bag, read_messages
 from sar_sim.flight.offline import OfflineFlight
@@ -98,11 +99,12 @@ def test_arduplanes_guidance_is_led_around_corners_by_lists_in_banks(launch, tmp
     told = {}
     for topic, _, message in read_messages(flight.out / "bag"):
         told.setdefault(topic, []).append(message)
-    parameters = json.loads(told["/uav/autopilot"][-1].data)
+    parameters = WIRES["/uav/autopilot"].from_message(told["/uav/autopilot"][-1])
     assert parameters["NAVL1_PERIOD"] == 15.0
     wind = told["/uav/wind"][-1].vector
     assert (wind.x, wind.y) == pytest.approx((-2.83, -2.83), abs=0.1)
-    uploads = [json.loads(message.data)["upload_ms"] for message in told["/uav/uploaded"]]
+    uploaded = map(WIRES["/uav/uploaded"].from_message, told["/uav/uploaded"])
+    uploads = [one.upload_ms for one in uploaded]
     assert len(uploads) > 5
     assert np.median(uploads) < 1000.0
 

@@ -22,11 +22,12 @@ from nav_msgs.msg import Path
 from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import NavSatFix
-from std_msgs.msg import String
+from diagnostic_msgs.msg import DiagnosticStatus
 from std_srvs.srv import Trigger
 from sar_estimator.common import topics
 from sar_estimator.common.conversions import fix_to_message, to_stamp
 from sar_estimator.common.node_support import LATCHED, RELIABLE
+from sar_estimator.common.wires import WIRES
 from sar_sim.autopilot.link import AutopilotLink
 from sar_sim.autopilot.server import AutopilotServer
 from sar_sim.scenario.options import find_scenario
@@ -49,12 +50,12 @@ for name, port, side in (("uav1", sys.argv[1], 1), ("uav2", sys.argv[2], -1)):
     links[name] = AutopilotLink(server, int(port), time.monotonic)
     engaged[name] = node.create_client(Trigger, f"/{name}/planner/engage")
     uploaded[name], refused[name] = [], []
-    node.create_subscription(String, f"/{name}/uav/uploaded",
-        lambda message, name=name: uploaded[name].append(json.loads(message.data)["list_id"]),
-        RELIABLE)
-    node.create_subscription(String, f"/{name}/monitor/state",
-        lambda message, name=name: refused[name].append(json.loads(message.data)["alert"]),
-        LATCHED)
+    take = WIRES[topics.UPLOADED].from_message
+    node.create_subscription(DiagnosticStatus, f"/{name}/uav/uploaded",
+        lambda message, name=name: uploaded[name].append(take(message).list_id), RELIABLE)
+    hear = WIRES[topics.MONITOR].from_message
+    node.create_subscription(DiagnosticStatus, f"/{name}/monitor/state",
+        lambda message, name=name: refused[name].append(hear(message).alert), LATCHED)
 first, begun, started = worlds["uav1"], time.monotonic(), None
 while first.time_s < LASTS_S:
     if time.monotonic() - begun > 100.0:

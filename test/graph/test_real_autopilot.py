@@ -1,6 +1,5 @@
 """The graph with an autopilot that is not its own: nothing is flown before an operator engages."""
 
-import json
 import os
 import re
 import signal
@@ -18,6 +17,7 @@ from sar_bridge.mission.mission_slots import BANK_ITEMS, BANKS
 from sar_estimator.common import topics
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import Pose
+from sar_estimator.common.wires import WIRES
 from sar_sim.autopilot.autopilot import FlightMode, SimAutopilot
 from sar_sim.autopilot.link import AutopilotLink
 from sar_sim.autopilot.server import AutopilotServer
@@ -192,6 +192,7 @@ import numpy as np
 import rclpy
 from nav_msgs.msg import Odometry, Path
 from sar_estimator.common import topics
+from sar_estimator.common.wires import WIRES
 from sar_estimator.common.conversions import odometry_to_motion, points_to_path
 from sar_estimator.common.node_support import LATCHED, RELIABLE
 rclpy.init()
@@ -241,7 +242,7 @@ def test_a_list_into_the_helicopters_way_does_not_reach_the_autopilot(launch):
     told, cleared, offered = [], [], []
     for topic, _, message in read_messages(flight.out / "bag"):
         if topic == topics.MONITOR:
-            told.append(json.loads(message.data))
+            told.append(WIRES[topic].from_message(message))
         elif topic == topics.CLEARED:
             cleared.append(message.header.stamp.sec)
         elif topic == topics.WAYPOINTS:
@@ -249,7 +250,7 @@ def test_a_list_into_the_helicopters_way_does_not_reach_the_autopilot(launch):
     assert 777 in offered
     assert 777 not in cleared
     assert cleared
-    assert any(t["refused_id"] == 777 * 10**9 and "list refused: " in t["reason"] for t in told)
+    assert any(t.refused_id == 777 * 10**9 and "list refused: " in t.reason for t in told)
 
 
 def times_by_autopilot(bag):

@@ -21,39 +21,36 @@ RETRIES = 8  # every 2 s, and the laptop may be slow
 WORLD = """
 import json, sys, time
 import rclpy
-from nav_msgs.msg import Odometry, Path
+from nav_msgs.msg import Path
 from rosgraph_msgs.msg import Clock
-from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from sar_estimator.common import topics
 from sar_estimator.common.conversions import (
-    from_stamp, leg_to_odometry, list_id_of, motion_to_odometry, text_message, to_stamp,
+    from_stamp, leg_to_odometry, list_id_of, motion_to_odometry, to_stamp,
 )
+from sar_estimator.common.component_node import publisher, subscribe
 from sar_estimator.common.node_support import LATCHED, RELIABLE
 from sar_estimator.common.pose import Pose
+from sar_estimator.common.reports import UavStatus, Uploaded
 from sar_estimator.common.states import LegEstimate, Motion
+from sar_estimator.common.wires import WIRES
 rclpy.init()
 node = rclpy.create_node("world")
 send = {
-    topic: node.create_publisher(kind, topic, qos)
-    for topic, kind, qos in (
-        (topics.HELICOPTER_ODOMETRY, Odometry, RELIABLE),
-        (topics.UAV_ODOMETRY, Odometry, RELIABLE),
-        (topics.LEG, Odometry, RELIABLE),
-        (topics.PHASE, String, LATCHED),
-        (topics.UAV_STATE, String, LATCHED),
-        (topics.UPLOADED, String, RELIABLE),
+    topic: publisher(node, topic)
+    for topic in (
+        topics.HELICOPTER_ODOMETRY, topics.UAV_ODOMETRY, topics.LEG, topics.PHASE,
+        topics.UAV_STATE, topics.UPLOADED,
     )
 }
+tell = lambda topic, value: send[topic].publish(WIRES[topic].to_message(value, 0.0))
 listed, refused = [], set()
 take = lambda message: listed.append(list_id_of(message)) if message.poses else None
 node.create_subscription(Path, topics.WAYPOINTS, take, LATCHED)
-flies = lambda message: send[topics.UPLOADED].publish(
-    text_message(json.dumps({"list_id": list_id_of(message)}))
-)
+flies = lambda message: tell(topics.UPLOADED, Uploaded(list_id_of(message)))
 node.create_subscription(Path, topics.CLEARED, flies, LATCHED)
-note = lambda message: refused.add(json.loads(message.data)["refused_id"])
-node.create_subscription(String, topics.MONITOR, note, LATCHED)
+note = lambda message: refused.add(WIRES[topics.MONITOR].from_message(message).refused_id)
+subscribe(node, topics.MONITOR, note)
 clock = node.create_publisher(Clock, "/clock", RELIABLE)
 
 def awkward_s(near_s):
@@ -63,9 +60,8 @@ def awkward_s(near_s):
     return nanoseconds * 1e-9
 
 engage = node.create_client(Trigger, topics.ENGAGE)
-send[topics.PHASE].publish(text_message("cruise"))
-state = {"mode": "AUTO", "armed": True, "connected": True}
-send[topics.UAV_STATE].publish(text_message(json.dumps(state)))
+tell(topics.PHASE, "cruise")
+tell(topics.UAV_STATE, UavStatus("AUTO", armed=True, connected=True))
 begun, asked, engaged = time.monotonic(), None, None
 while engaged is None or time.monotonic() - engaged < float(sys.argv[1]):
     if time.monotonic() - begun > 60.0:
