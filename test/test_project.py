@@ -102,6 +102,19 @@ def test_files_are_short(path):
     assert len(path.read_text(encoding="utf-8").splitlines()) <= limit
 
 
+REASON = "In one piece: "
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=name_of)
+def test_classes_and_functions_are_short_or_say_why_they_are_not(path):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ClassDef | ast.FunctionDef):
+            limit = 250 if isinstance(node, ast.ClassDef) else 60
+            size = node.end_lineno - node.lineno + 1
+            said = " ".join((ast.get_docstring(node) or "").split())
+            assert size <= limit or REASON in said, f"{node.name}: {size} lines"
+
+
 def test_every_executable_is_documented_and_nothing_else():
     page = (ROOT / "docs/tools.md").read_text(encoding="utf-8")
     table = page.partition("| package | tool |")[2].partition("\n\n")[0]

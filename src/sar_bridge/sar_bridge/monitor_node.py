@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 from rclpy.node import Node
 
 from sar_bridge.monitor.component import MonitorComponent
-from sar_bridge.monitor.helicopter_hypotheses import Habits
+from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.checked import CHECKED
 from sar_estimator.common.component_node import ComponentNode
@@ -28,14 +28,14 @@ class MonitorNodeParameters:
     guard_rate_hz: Annotated[float, Field(gt=0.0, le=20.0)] = 2.0
 
 
-PARAMETERS = (MonitorParameters, Habits, MonitorNodeParameters)
+PARAMETERS = (MonitorParameters, HelicopterModel, MonitorNodeParameters)
 
 
 def make(node: Node) -> MonitorComponent:
     """Return the monitor that a node's parameters describe."""
-    limits, habits = parameters(node, MonitorParameters), parameters(node, Habits)
+    limits, model = parameters(node, MonitorParameters), parameters(node, HelicopterModel)
     own = parameters(node, MonitorNodeParameters)
-    return MonitorComponent(limits, habits, rate_hz=own.guard_rate_hz)
+    return MonitorComponent(limits, model, rate_hz=own.guard_rate_hz)
 
 
 def main() -> int:

@@ -12,6 +12,7 @@ import numpy as np
 
 from sar_estimator.common.reports import MonitorReport, UavStatus, WaypointList
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase, list_id_at
+from sar_planner.engagement import ENGAGE_MODES, not_flying, obstacle
 from sar_planner.guidance.vehicle import Vehicle
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
@@ -25,8 +26,6 @@ from sar_planner.strategies.strategy import Strategy, StrategyReport
 
 MAX_WAYPOINTS = 400
 REFUSED_RETRY_S = 2.0
-FARTHEST_M = 20_000.0
-ENGAGE_MODES = ("AUTO", "GUIDED")
 
 
 @dataclass(frozen=True)
@@ -156,43 +155,20 @@ class MissionPlanner:
 
     def obstacle(self, now_s: float) -> str:
         """Return why the planner cannot lead the UAV at ``now_s``, empty when it can."""
-        for name, motion in (("UAV", self.uav), ("helicopter", self.helicopter)):
-            if motion is None:
-                return f"no {name} position"
-            age = now_s - motion.time_s
-            if age > self.parameters.stale_s:
-                return f"{name} position {age:.1f} s old (limit {self.parameters.stale_s} s)"
-        apart = self.separation_m()
-        if apart is not None and apart > FARTHEST_M:
-            return f"helicopter {apart / 1e3:.0f} km from the UAV: expected within 20 km"
-        if self.phase is Phase.LOST:
-            return "helicopter GPS lost"
-        if self.situation.leg is None:
-            return "helicopter's leg not known yet"
-        return ""
+        return obstacle(self.situation, self.parameters.stale_s, now_s)
 
     def engage(self, now_s: float) -> str:
         """Begin to lead the UAV; return why not, empty when begun."""
         unfit = self.vehicle.refusal(
             self.corner_parameters, self.parameters, self._strategy.lists.air
         )
-        reason = self._not_flying() or self.obstacle(now_s) or unfit
+        reason = not_flying(self.status) or self.obstacle(now_s) or unfit
         if not reason and not self.engaged:
             self.engaged = True
             self._new = False
             self._strategy.begin()
             self._in_auto = self.status.mode == "AUTO"
         return reason
-
-    def _not_flying(self) -> str:
-        status = self.status
-        if not status.connected:
-            return "no heartbeat from the autopilot"
-        if not status.armed:
-            return "UAV not armed: expected it in the air"
-        if status.mode not in ENGAGE_MODES:
-            return f"UAV in mode {status.mode}: expected {' or '.join(ENGAGE_MODES)}"
-        return ""
 
     def disengage(self) -> None:
         """Stop leading the UAV."""
@@ -251,12 +227,7 @@ class MissionPlanner:
         """Return the UAV's lag [m]: L(k) in a corner, on a leg the present along-track lag."""
         if self.active is not None:
             return self.active.plan.lag_m
-        slot = self.report.slot or self.situation.slot
-        if self.uav is None or self.helicopter is None or slot is None:
-            return None
-        ahead = slot.along(self.helicopter.x_m, self.helicopter.y_m)
-        behind = slot.along(self.uav.x_m, self.uav.y_m)
-        return ahead - behind - self.uav.speed_mps * (self.helicopter.time_s - self.uav.time_s)
+        return self.situation.lag_m(self.report.slot)
 
     def separation_m(self) -> float | None:
         """Return the horizontal distance between the aircraft [m]."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sar_bridge.monitor.component import MonitorComponent
-from sar_bridge.monitor.helicopter_hypotheses import Habits
+from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common import topics
 from sar_estimator.common.component import NOTICES
@@ -24,7 +24,7 @@ from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Pha
 
 SLOT = np.array([[800.0, -250.0], [4000.0, -250.0], [4300.0, -280.0]])
 CROSSING = np.array([[500.0, 0.0], [500.0, 3000.0]])
-HABITS = Habits(20.0, 2.5, 1)
+HABITS = HelicopterModel(20.0, 2.5, 1)
 
 
 def of(outputs, topic):

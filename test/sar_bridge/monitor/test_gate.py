@@ -7,7 +7,7 @@ import pytest
 
 from sar_bridge.arduplane.l1_predictor import Route
 from sar_bridge.monitor.gate import FARTHEST_M, Gate, Offered
-from sar_bridge.monitor.helicopter_hypotheses import Habits
+from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.outlook import Outlook
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.states import Motion, Phase
@@ -18,7 +18,7 @@ CROSSING = np.array([[500.0, 0.0], [500.0, 3000.0]])
 
 def known(uav_y=-250.0, **changes):
     parameters = MonitorParameters(**changes)
-    outlook = Outlook(parameters, Habits(20.0, 2.5, 1))
+    outlook = Outlook(parameters, HelicopterModel(20.0, 2.5, 1))
     outlook.helicopter.phase = Phase.CRUISE
     outlook.helicopter.set_motion(Motion(100.0, 0.0, 0.0, 20.0, 0.0), 1.0, 0.1)
     outlook.set_uav(Motion(100.0, 0.0, uav_y, 20.0, 0.0))

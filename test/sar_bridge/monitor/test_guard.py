@@ -7,7 +7,7 @@ import pytest
 
 from sar_bridge.arduplane.l1_predictor import Route
 from sar_bridge.monitor.guard import RECHOOSE_S, Guard
-from sar_bridge.monitor.helicopter_hypotheses import Habits
+from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.outlook import Outlook
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.states import Motion, Phase
@@ -21,7 +21,7 @@ class Bench:
 
     def __init__(self, points, *, uav_y=-250.0, vy=0.0, **changes):
         self.parameters = MonitorParameters(**changes)
-        self.outlook = Outlook(self.parameters, Habits(20.0, 2.5, 1))
+        self.outlook = Outlook(self.parameters, HelicopterModel(20.0, 2.5, 1))
         self.outlook.helicopter.phase = Phase.CRUISE
         self.guard = Guard(self.parameters, self.outlook)
         self.uav_y, self.vy = uav_y, vy

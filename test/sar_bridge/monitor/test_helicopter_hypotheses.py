@@ -7,14 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_bridge.monitor.helicopter_hypotheses import FASTER, Habits, Helicopter
+from sar_bridge.monitor.helicopter_hypotheses import FASTER, Helicopter
+from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_sim.scenario.scenario import Pattern, Pilot
 from sar_sim.world.helicopter import PatternHelicopter
 
 TIMES = np.arange(0.0, 40.0, 0.5)
-HABITS = Habits(20.0, 2.0, 1)
+HABITS = HelicopterModel(20.0, 2.0, 1)
 
 
 def pattern(side=1):
@@ -29,8 +30,8 @@ def corner_of(truth, told_s):
     )
 
 
-def told(truth, now_s, phase, corner=None, habits=HABITS):
-    helicopter = Helicopter(habits)
+def told(truth, now_s, phase, corner=None, model=HABITS):
+    helicopter = Helicopter(model)
     helicopter.phase, helicopter.corner = phase, corner
     helicopter.set_motion(truth.motion(now_s))
     return {future.name: future for future in helicopter.futures(now_s, TIMES)}
@@ -55,7 +56,7 @@ def test_the_likely_one_is_what_a_helicopter_on_the_pattern_does(side, after_ons
     truth = pattern(side)
     first = truth.corners[0]
     now = first.onset_time_s + after_onset_s
-    found = told(truth, now, phase, corner_of(first, now), Habits(20.0, 2.0, side))
+    found = told(truth, now, phase, corner_of(first, now), HelicopterModel(20.0, 2.0, side))
     assert found[name].likely
     ahead = TIMES < 25.0
     assert found[name].positions[ahead] == pytest.approx(positions(truth, now)[ahead], abs=1.0)
@@ -201,7 +202,7 @@ def test_lost_it_may_have_turned_unseen(side, lost_at_s, for_s):
     truth = pattern(side)
     first = truth.corners[0]
     seen_s = first.onset_time_s + lost_at_s
-    helicopter = Helicopter(Habits(20.0, 2.0, side))
+    helicopter = Helicopter(HelicopterModel(20.0, 2.0, side))
     if lost_at_s >= 0.0:
         helicopter.phase = Phase.DECELERATING if lost_at_s < 10.0 else Phase.STOPPED
         helicopter.corner = corner_of(first, seen_s)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sar_bridge.arduplane.l1_predictor import STEP_S, Route
-from sar_bridge.monitor.helicopter_hypotheses import Habits
+from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.outlook import NO_APPROACH, Outlook
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.states import Motion, Phase
@@ -15,7 +15,7 @@ AHEAD = np.array([[4000.0, -250.0]])
 
 
 def known():
-    outlook = Outlook(MonitorParameters(), Habits(20.0, 2.5, 1))
+    outlook = Outlook(MonitorParameters(), HelicopterModel(20.0, 2.5, 1))
     outlook.helicopter.phase = Phase.CRUISE
     outlook.helicopter.set_motion(Motion(100.0, 0.0, 0.0, 20.0, 0.0), 1.0, 0.1)
     outlook.set_uav(Motion(100.0, 0.0, -250.0, 20.0, 0.0))
@@ -23,7 +23,7 @@ def known():
 
 
 def test_what_was_never_seen_or_is_old_is_named():
-    outlook = Outlook(MonitorParameters(), Habits())
+    outlook = Outlook(MonitorParameters(), HelicopterModel())
     assert outlook.unseen
     assert outlook.unknown(0.0) == "no helicopter position"
     outlook = known()

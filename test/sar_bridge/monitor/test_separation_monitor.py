@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from sar_bridge.monitor.alerts import Alert
 from sar_bridge.monitor.gate import Offered
-from sar_bridge.monitor.helicopter_hypotheses import Habits
+from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_bridge.monitor.separation_monitor import SeparationMonitor
 from sar_estimator.common.pose import Pose
@@ -26,7 +26,7 @@ class Bench:
     """A monitor, a helicopter that flies east from the origin, and a UAV."""
 
     def __init__(self, uav=(0.0, -250.0), **changes):
-        self.monitor = SeparationMonitor(MonitorParameters(**changes), Habits())
+        self.monitor = SeparationMonitor(MonitorParameters(**changes), HelicopterModel())
         self.now_s = 0.0
         self.leader = Motion(0.0, 0.0, 0.0, 20.0, 0.0)
         self.uav = Motion(0.0, *uav, 20.0, 0.0)
@@ -163,7 +163,7 @@ def test_nothing_passes_without_the_helicopters_gps_or_any_position():
     bench.monitor.helicopter.phase = Phase.LOST
     assert not bench.offer(SLOT)
     assert bench.monitor.reason == "list refused: helicopter GPS lost"
-    nobody = SeparationMonitor(MonitorParameters(), Habits())
+    nobody = SeparationMonitor(MonitorParameters(), HelicopterModel())
     assert not nobody.passes(SLOT, 0.0, 0.0)
     assert nobody.reason == "list refused: no helicopter position"
     assert nobody.update(0.0) is None
@@ -357,7 +357,7 @@ def test_alerts_are_told_when_they_last():
 
 def test_who_only_watches_says_it_and_does_nothing():
     bench = crossing()
-    bench.monitor = SeparationMonitor(MonitorParameters(watch_only=True), Habits())
+    bench.monitor = SeparationMonitor(MonitorParameters(watch_only=True), HelicopterModel())
     bench.monitor.helicopter.phase = Phase.CRUISE
     bench.tell()
     assert bench.offer(np.array([[600.0, 3000.0]]))

@@ -13,7 +13,7 @@ from sar_planner.paths.slot_intercept import STRAIGHT_Q, STRAIGHT_Y, PathBatch
 from sar_planner.prediction.separation import closest_approach
 from sar_planner.rejoin.recapture import row_of
 from sar_planner.rules.deadbeat_automaton import DeadbeatAutomaton, check_deadbeat
-from sar_planner.rules.deadbeat_rules import DeadbeatRules
+from sar_planner.rules.deadbeat_rules import DeadbeatRules, least_lag_m
 from sar_planner.rules.paper_rules import NoPathError, Rule
 from sar_sim.report.coverage import ideal_tracks, swath
 
@@ -186,8 +186,8 @@ def test_what_a_corner_leaves_unseen(lead, separation, most_m2):
 
 def test_a_uav_that_makes_little_good_needs_a_lag_to_take_out():
     sloppy = DeadbeatRules(P, made_good=0.7)
-    least = sloppy.least_lag_m(lead_m=100.0, separation_m=200.0)
+    least = least_lag_m(sloppy, lead_m=100.0, separation_m=200.0)
     assert 100.0 < least < 300.0
     assert abs(sloppy.plan(least, lead_m=100.0, separation_m=200.0).next_lag_m) <= 0.5
     assert sloppy.plan(0.0, lead_m=100.0, separation_m=200.0).next_lag_m > 500.0
-    assert DeadbeatRules(P).least_lag_m(lead_m=100.0, separation_m=200.0) == 0.0
+    assert least_lag_m(DeadbeatRules(P), lead_m=100.0, separation_m=200.0) == 0.0

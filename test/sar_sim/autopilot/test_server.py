@@ -5,6 +5,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from sar_bridge.mavlink.mission_items import waypoint_items
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import Pose
+from sar_sim.autopilot import telemetry
 from sar_sim.autopilot.autopilot import FlightMode, SimAutopilot
 from sar_sim.autopilot.server import AutopilotServer
 from sar_sim.scenario.presets import AUTOPILOTS
@@ -116,7 +117,7 @@ def test_telemetry_rates(server):
     assert kinds.count("GLOBAL_POSITION_INT") == 100
     assert kinds.count("ATTITUDE") == 100
     assert kinds.count("HEARTBEAT") == 10
-    beat = server._heartbeat()
+    beat = telemetry.heartbeat(server._autopilot)
     assert beat.custom_mode == FlightMode.GUIDED
     assert beat.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED
 

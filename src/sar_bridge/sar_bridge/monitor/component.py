@@ -8,7 +8,7 @@ from typing import Any
 
 from sar_bridge.arduplane.l1_predictor import FollowerTuning
 from sar_bridge.monitor.alerts import Alert
-from sar_bridge.monitor.helicopter_hypotheses import Habits
+from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_bridge.monitor.separation_monitor import SeparationMonitor
 from sar_estimator.common import topics
@@ -40,14 +40,14 @@ class MonitorComponent(Component):
     outputs = (topics.CLEARED, topics.MONITOR, topics.DIAGNOSTICS)
 
     def __init__(
-        self, parameters: MonitorParameters, habits: Habits, *, rate_hz: float = 2.0
+        self, parameters: MonitorParameters, model: HelicopterModel, *, rate_hz: float = 2.0
     ) -> None:
         """Know nothing. ``rate_hz``: of the guard. Raises ``ValueError`` for what cannot be."""
         super().__init__()
         if not RATES_HZ[0] <= rate_hz <= RATES_HZ[1]:
             raise ValueError(f"parameter guard_rate_hz = {rate_hz}: expected 1 to 50")
         self.period_s = 1.0 / rate_hz
-        self.monitor = SeparationMonitor(parameters, habits)
+        self.monitor = SeparationMonitor(parameters, model)
         self._covariance: FloatArray | None = None
         self._uav_up_m = self._datum_m = 0.0
         self._led = False

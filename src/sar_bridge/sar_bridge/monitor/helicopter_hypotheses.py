@@ -11,10 +11,9 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from pydantic.dataclasses import dataclass as checked_dataclass
 
 from sar_bridge.arduplane import l1_kernels
-from sar_estimator.common.checked import CHECKED, Positive, Side
+from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_estimator.common.pose import Pose, wrap_angle
 from sar_estimator.common.states import CornerEstimate, FloatArray, LegEstimate, Motion, Phase
 
@@ -33,24 +32,6 @@ CONTRADICTION = 3.0
 CONTRADICTED_LEG = 5.0
 ACCEL_SHARE_SIGMA = 0.15
 FASTER, IS_FAST = 1.3, 1.0
-
-
-@checked_dataclass(frozen=True, slots=True, config=CHECKED)
-class Habits:
-    """How the helicopter is flown.
-
-    speed_mps: the speed V at which it cruises. accel_mps2: the acceleration a with which it brakes
-    and speeds up. turn_side: the side it turns to, 1 right, -1 left.
-    """
-
-    speed_mps: Positive = 20.0
-    accel_mps2: Positive = 2.0
-    turn_side: Side = 1
-
-    @property
-    def inside_rad(self) -> float:
-        """The turn of a right angle to the pattern's side [rad]."""
-        return -self.turn_side * 0.5 * math.pi
 
 
 @dataclass(frozen=True)
@@ -73,9 +54,9 @@ class Helicopter:
     speed it is expected to cruise at.
     """
 
-    def __init__(self, habits: Habits) -> None:
+    def __init__(self, model: HelicopterModel) -> None:
         """Know nothing yet."""
-        self.habits = habits
+        self.model = model
         self.motion: Motion | None = None
         self.phase = Phase.LOST
         self.corner: CornerEstimate | None = None
@@ -84,7 +65,7 @@ class Helicopter:
         self._velocity_sigma_mps = 0.0
         self._course_rad: float | None = None
         self._sure: tuple[Motion, Phase] | None = None
-        self.cruise_mps = habits.speed_mps
+        self.cruise_mps = model.speed_mps
 
     def set_motion(
         self, motion: Motion, position_sigma_m: float = 0.0, velocity_sigma_mps: float = 0.0
@@ -158,7 +139,7 @@ class Helicopter:
     def _inside(self, corner: CornerEstimate) -> Pose:
         """Return how a corner is left when it is turned to the pattern's side."""
         stop = corner.stop
-        return Pose(stop.x_m, stop.y_m, stop.heading_rad + self.habits.inside_rad)
+        return Pose(stop.x_m, stop.y_m, stop.heading_rad + self.model.inside_rad)
 
     def _this_corner(self, here: Pose, now_s: float) -> CornerEstimate | None:
         """Return the corner it slows or stands for; None where the last one told of is another."""
@@ -170,7 +151,7 @@ class Helicopter:
 
     def _stop(self, here: Pose, speed: float, now_s: float) -> tuple[Pose, float, float]:
         """Return where it will stand when it stops, in how long [s], and its deceleration."""
-        accel = self.habits.accel_mps2
+        accel = self.model.accel_mps2
         corner = self._this_corner(here, now_s) if self.phase is Phase.DECELERATING else None
         if corner is not None:
             return corner.stop, max(0.0, corner.stop_time_s - now_s), corner.accel_mps2
@@ -184,7 +165,7 @@ class Helicopter:
 
     def _ramp_spread(self, times: FloatArray) -> FloatArray:
         """Return the same where the acceleration is not known better than to a share."""
-        accel = self.habits.accel_mps2
+        accel = self.model.accel_mps2
         unsure, ramp_s = ACCEL_SHARE_SIGMA * accel, self.cruise_mps / accel
         return l1_kernels.spread(times, self._position_sigma_m, 0.0, unsure, ramp_s)
 
@@ -192,18 +173,18 @@ class Helicopter:
         """Return where it is when it departs from a stop, turned by an angle."""
         out = Pose(stop.x_m, stop.y_m, stop.heading_rad + turn_rad)
         since = np.maximum(times - after_s, 0.0)
-        return _along(out, _run(since, 0.0, self.habits.accel_mps2, self.cruise_mps))
+        return _along(out, _run(since, 0.0, self.model.accel_mps2, self.cruise_mps))
 
     def _stopping(
         self, here: Pose, speed: float, now_s: float, times: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return how it comes to a stand, and how it departs from there inside and outside."""
         stop, in_s, accel = self._stop(here, speed, now_s)
-        habits = self.habits
+        model = self.model
         stands, left, right = l1_kernels.stop_and_turn(
-            times, *stop, in_s, accel, habits.accel_mps2, self.cruise_mps
+            times, *stop, in_s, accel, model.accel_mps2, self.cruise_mps
         )
-        inside, outside = (right, left) if habits.turn_side > 0 else (left, right)
+        inside, outside = (right, left) if model.turn_side > 0 else (left, right)
         return stands, inside, outside
 
     def _cruising(
@@ -233,8 +214,8 @@ class Helicopter:
         if self._sure is None:
             return found
         spread = self._ramp_spread(times)
-        for stop, in_s in self._unseen_stops(*self._sure, now_s):
-            accel = self.habits.accel_mps2
+        for stop, in_s in unseen_stops(self.corner, *self._sure, self.model, now_s):
+            accel = self.model.accel_mps2
             stands, left, right = l1_kernels.stop_and_turn(
                 times, *stop, in_s, accel, accel, self.cruise_mps
             )
@@ -244,22 +225,6 @@ class Helicopter:
                 Future("turned right unseen", right, spread),
             ]
         return found
-
-    def _unseen_stops(self, sure: Motion, phase: Phase, now_s: float) -> list[tuple[Pose, float]]:
-        """Return where it may have stopped since it was seen, and left in how long from now [s]."""
-        corner = self.corner
-        if phase in (Phase.DECELERATING, Phase.STOPPED) and corner is not None:
-            first_s = corner.stop_time_s
-            leaves_s = np.arange(first_s, max(now_s, first_s) + UNSEEN_STEP_S, UNSEEN_STEP_S)
-            return [(corner.stop, at_s - now_s) for at_s in leaves_s[-MOST_UNSEEN:]]
-        if sure.speed_mps < SURE_COURSE_MPS:
-            return []
-        slowing_s = sure.speed_mps / self.habits.accel_mps2
-        found = []
-        for begun_s in np.arange(sure.time_s - UNSEEN_S, now_s, UNSEEN_STEP_S):
-            way_m = sure.speed_mps * (begun_s - sure.time_s + 0.5 * slowing_s)
-            found.append((sure.pose.offset(way_m), begun_s + slowing_s - now_s))
-        return found[-MOST_UNSEEN:]
 
     def _slowing(
         self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray
@@ -272,7 +237,7 @@ class Helicopter:
         forward = motion.vx_mps * math.cos(here.heading_rad)
         forward = max(0.0, forward + motion.vy_mps * math.sin(here.heading_rad))
         fastest = max(self.cruise_mps, forward)
-        again = _along(here, _run(times, forward, self.habits.accel_mps2, fastest))
+        again = _along(here, _run(times, forward, self.model.accel_mps2, fastest))
         spread = self._ramp_spread(times)
         if corner is not None:
             spread = np.hypot(spread, math.sqrt(0.5 * float(np.trace(corner.covariance))))
@@ -290,7 +255,7 @@ class Helicopter:
         corner = self._this_corner(here, now_s)
         stop = here if corner is None else corner.stop
         since = UNSEEN_S if corner is None else min(UNSEEN_S, max(0.0, now_s - corner.stop_time_s))
-        inside = self.habits.inside_rad
+        inside = self.model.inside_rad
         still = np.full_like(times, self._position_sigma_m)
         spread = self._ramp_spread(times)
         found = [
@@ -308,13 +273,15 @@ class Helicopter:
         self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray
     ) -> list[Future]:
         here = self._here(motion, ahead_s)
-        out = self._way_out(here)
+        out = here
+        if self.corner is not None:
+            out = way_out(self._inside(self.corner), here, self._position_sigma_m)
         forward = max(0.0, motion.speed_mps * math.cos(motion.course_rad - out.heading_rad))
         above, sigma = forward - self.cruise_mps, self._velocity_sigma_mps
         if above < CONTRADICTION * sigma:
             forward = min(forward, self.cruise_mps)
         fastest = max(self.cruise_mps, forward)
-        run = _run(times, forward, self.habits.accel_mps2, fastest)
+        run = _run(times, forward, self.model.accel_mps2, fastest)
         slowing = self._stopping(here, forward, now_s, times)[0]
         spread = self._ramp_spread(times)
         found = [
@@ -323,29 +290,48 @@ class Helicopter:
         ]
         if above > IS_FAST * sigma:  # it is about to fly faster than it did before
             top = max(FASTER * self.cruise_mps, fastest)
-            faster = _run(times, forward, self.habits.accel_mps2, top)
+            faster = _run(times, forward, self.model.accel_mps2, top)
             bound = np.full_like(spread, self._position_sigma_m)
             found.append(Future("departs faster", _along(out, faster), bound))
         return found
 
-    def _way_out(self, here: Pose) -> Pose:
-        """Return where it is on the line on which it leaves its stop.
 
-        The right angle to the pattern's side, weighed against the bearing from the stop; the
-        bearing alone where both contradict each other.
-        """
-        if self.corner is None:
-            return here
-        inside = self._inside(self.corner)
-        dx, dy = here.x_m - inside.x_m, here.y_m - inside.y_m
-        away = max(math.hypot(dx, dy), 1.0)
-        off = wrap_angle(math.atan2(dy, dx) - inside.heading_rad)
-        sigma = math.hypot(max(self._position_sigma_m, 1.0), STOP_SIGMA_M) / away
-        weight = EXPECTED_SIGMA_RAD**2 / (EXPECTED_SIGMA_RAD**2 + sigma**2)
-        if abs(off) > CONTRADICTION * math.hypot(sigma, EXPECTED_SIGMA_RAD):
-            weight = 1.0
-        out = Pose(inside.x_m, inside.y_m, inside.heading_rad + weight * off)
-        return out.offset(max(0.0, out.along(here.x_m, here.y_m)))
+def unseen_stops(
+    corner: CornerEstimate | None, sure: Motion, phase: Phase, model: HelicopterModel, now_s: float
+) -> list[tuple[Pose, float]]:
+    """Return where a helicopter may have stopped unseen, and left in how long from now [s].
+
+    ``sure``, ``phase``: its motion and phase when it was seen last.
+    """
+    if phase in (Phase.DECELERATING, Phase.STOPPED) and corner is not None:
+        first_s = corner.stop_time_s
+        leaves_s = np.arange(first_s, max(now_s, first_s) + UNSEEN_STEP_S, UNSEEN_STEP_S)
+        return [(corner.stop, at_s - now_s) for at_s in leaves_s[-MOST_UNSEEN:]]
+    if sure.speed_mps < SURE_COURSE_MPS:
+        return []
+    slowing_s = sure.speed_mps / model.accel_mps2
+    found = []
+    for begun_s in np.arange(sure.time_s - UNSEEN_S, now_s, UNSEEN_STEP_S):
+        way_m = sure.speed_mps * (begun_s - sure.time_s + 0.5 * slowing_s)
+        found.append((sure.pose.offset(way_m), begun_s + slowing_s - now_s))
+    return found[-MOST_UNSEEN:]
+
+
+def way_out(inside: Pose, here: Pose, position_sigma_m: float) -> Pose:
+    """Return where a helicopter is on the line on which it leaves its stop.
+
+    ``inside``: the stop, turned by the right angle to the pattern's side, which is weighed against
+    the bearing from the stop; the bearing alone where both contradict each other.
+    """
+    dx, dy = here.x_m - inside.x_m, here.y_m - inside.y_m
+    away = max(math.hypot(dx, dy), 1.0)
+    off = wrap_angle(math.atan2(dy, dx) - inside.heading_rad)
+    sigma = math.hypot(max(position_sigma_m, 1.0), STOP_SIGMA_M) / away
+    weight = EXPECTED_SIGMA_RAD**2 / (EXPECTED_SIGMA_RAD**2 + sigma**2)
+    if abs(off) > CONTRADICTION * math.hypot(sigma, EXPECTED_SIGMA_RAD):
+        weight = 1.0
+    out = Pose(inside.x_m, inside.y_m, inside.heading_rad + weight * off)
+    return out.offset(max(0.0, out.along(here.x_m, here.y_m)))
 
 
 def _run(times: FloatArray, speed: float, accel: float, until_mps: float) -> FloatArray:

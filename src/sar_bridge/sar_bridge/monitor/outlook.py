@@ -10,7 +10,8 @@ import numpy as np
 from sar_bridge.arduplane import l1_kernels
 from sar_bridge.arduplane.l1_predictor import STEP_S, FollowerTuning, Route, Vector, follow
 from sar_bridge.monitor.escapes import Apart, apart
-from sar_bridge.monitor.helicopter_hypotheses import Future, Habits, Helicopter
+from sar_bridge.monitor.helicopter_hypotheses import Future, Helicopter
+from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.states import FloatArray, Motion, Phase
 
@@ -44,9 +45,9 @@ class Outlook:
     ``tuning``: of the autopilot's guidance. ``above_m``: the UAV's height above the helicopter.
     """
 
-    def __init__(self, parameters: MonitorParameters, habits: Habits) -> None:
+    def __init__(self, parameters: MonitorParameters, model: HelicopterModel) -> None:
         """Know nothing yet."""
-        self.helicopter = Helicopter(habits)
+        self.helicopter = Helicopter(model)
         self.tuning = FollowerTuning()
         self.uav: Motion | None = None
         self.wind_mps: Vector = (0.0, 0.0)

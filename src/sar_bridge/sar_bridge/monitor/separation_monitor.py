@@ -14,7 +14,8 @@ from sar_bridge.monitor.alerts import Alert, Alerts
 from sar_bridge.monitor.escapes import Escape
 from sar_bridge.monitor.gate import Gate, Offered
 from sar_bridge.monitor.guard import Guard
-from sar_bridge.monitor.helicopter_hypotheses import Habits, Helicopter
+from sar_bridge.monitor.helicopter_hypotheses import Helicopter
+from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.outlook import NO_APPROACH, Outlook
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.states import FloatArray, Motion
@@ -29,11 +30,11 @@ class SeparationMonitor:
     ``parameters``. ``outlook``: what is known and foretold of both aircraft.
     """
 
-    def __init__(self, parameters: MonitorParameters, habits: Habits) -> None:
+    def __init__(self, parameters: MonitorParameters, model: HelicopterModel) -> None:
         """Know nothing yet."""
         self.parameters = parameters
         self.thresholds = parameters.thresholds()
-        self.outlook = Outlook(parameters, habits)
+        self.outlook = Outlook(parameters, model)
         self.nearest = NO_APPROACH
         self.reason = ""
         self.refused_id = 0

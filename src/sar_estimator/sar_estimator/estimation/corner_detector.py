@@ -269,7 +269,8 @@ def _weighed(
     Slowing is held against the leg alone or a small change of speed, turning against the leg alone
     or a small change of course: both can happen at once, and along and across are independent.
     ``excess_along``, ``excess_across``: by how much the innovations' variances are larger than the
-    filter has them.
+    filter has them. In one piece: it is compiled, and all of it shares what is worked out for an
+    onset.
     """
     count = onsets_s.size
     slowing = np.empty((count, accels_mps2.size))

@@ -6,22 +6,14 @@ import math
 
 import numpy as np
 
-from sar_estimator.common.pose import Pose, wrap_angle
+from sar_estimator.common.pose import wrap_angle
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
-from sar_estimator.estimation.corner_detector import (
-    Decelerations,
-    StopPosterior,
-    Watch,
-    filtered,
-    stop_posterior,
-    watch,
-)
-from sar_estimator.estimation.leg import LegRow, LegTracker, told_of
-from sar_estimator.estimation.leg_process import TIME, LegProcess
+from sar_estimator.estimation.corner_detector import Decelerations, StopPosterior, Watch
+from sar_estimator.estimation.corner_prediction import predicted_corner, rolled_stop, stop_ahead
+from sar_estimator.estimation.leg import LegRow
 from sar_estimator.estimation.parameters import EstimatorParameters
+from sar_estimator.estimation.watched_leg import ONSET_REACH_S, WatchedLeg
 
-ONSET_REACH_S = 10.0
-REFINEMENTS = 2
 STANDSTILL_MPS = 2.0
 STANDSTILL_S = 5.0
 MOVING_MPS = 3.0
@@ -43,8 +35,6 @@ STRAIGHT_AGAIN_S = 4.0
 TURNING_RAD = math.radians(20.0)
 CONFIRMED_RAD = math.radians(12.0)
 TURNED_RAD = math.radians(65.0)
-LEAST_STOP_M = 3.0
-RIGHT_ANGLE_RAD = 0.5 * math.pi
 
 
 class CornerTracker:
@@ -60,10 +50,9 @@ class CornerTracker:
     def __init__(self, parameters: EstimatorParameters) -> None:
         """Begin with nothing known."""
         self._p = parameters
-        self._tracker = LegTracker(LegProcess(parameters.wander_prior_mps))
+        self._watched = WatchedLeg(parameters)
         self._seen = Decelerations(parameters.accel_prior_mps2, parameters.accel_prior_spread)
         self._prior = self._seen.expected
-        self._heading_rad: float | None = None
         self._posterior: StopPosterior | None = None
         self._detected_s = -math.inf
         self._turning_since_s: float | None = None
@@ -85,7 +74,7 @@ class CornerTracker:
 
     @property
     def on_leg(self) -> bool:
-        """Whether a leg is being flown and nothing else is foreseen."""
+        """Whether a leg is being flown and no corner is predicted."""
         return self.leg is not None and self.phase is Phase.CRUISE
 
     def restart(self) -> None:
@@ -99,82 +88,35 @@ class CornerTracker:
     def update(self, rows: list[LegRow], motion: Motion) -> None:
         """Take the newest rows and the filtered motion at their time."""
         if self.phase in (Phase.CRUISE, Phase.DECELERATING):
-            for row in rows:
-                self._tracker.add(row)
+            self._watched.add(rows)
         self._handlers[self.phase](rows, motion)
 
     # On a leg ----------------------------------------------------------------------------------
-
-    def _begin_leg(self, rows: list[LegRow], motion: Motion) -> None:
-        position, velocity = (motion.x_m, motion.y_m), (motion.vx_mps, motion.vy_mps)
-        self._tracker.begin(rows[0].time_s, position, velocity)
-        for row in rows:
-            self._tracker.add(row)
 
     def _cruise(self, _rows: list[LegRow], motion: Motion) -> None:
         if self.leg is None:
             self._begin_moving(motion)
             return
         self._still_since_s = None
-        tracker = self._tracker
-        assert self._heading_rad is not None
-        tracker.settle(motion.time_s - ONSET_REACH_S, self._heading_rad)
-        seen = self._watch(motion)
-        young = motion.time_s - tracker.begun_s < YOUNG_S
+        watched = self._watched
+        watched.settle(motion.time_s - ONSET_REACH_S)
+        seen = watched.watch(motion.time_s, self._prior)
+        young = motion.time_s - watched.begun_s < YOUNG_S
         # One wrong velocity looks like a turn for a moment, and none comes without a slow-down.
-        turns = seen.turning > self._needed and abs(self._turned(motion)) > CONFIRMED_RAD
-        if (seen.slowing > self._needed or turns) and not young:
+        turns = seen.turning > watched.needed and abs(watched.turned(motion)) > CONFIRMED_RAD
+        if (seen.slowing > watched.needed or turns) and not young:
             self._detect(seen, motion)
         elif seen.misfit > MISFIT_LIMIT:
             # It is flown otherwise than was thought: what is to be learnt of it is learnt now.
-            tracker.settle(motion.time_s - NEWEST_S, self._heading_rad)
-            tracker.process.loosen()
+            watched.settle(motion.time_s - NEWEST_S)
+            watched.loosen()
         elif max(seen.slowing, seen.turning) < 0.0:
-            self._tell(seen, motion)
-
-    @property
-    def _needed(self) -> float:
-        """The evidence that is called a detection: more without velocities.
-
-        The errors of positions are alike from one to the next, and not white as they are taken for.
-        """
-        p = self._p
-        measured = self._tracker.has_velocities
-        return p.detect_log_bayes if measured else p.detect_log_bayes + p.detect_positions_extra
-
-    def _watch(self, motion: Motion) -> Watch:
-        """Weigh the newest rows of the leg."""
-        assert self._heading_rad is not None
-        return watch(
-            self._tracker.rows,
-            self._tracker.belief,
-            self._heading_rad,
-            onset_range_s=self._onset_range_s(motion.time_s),
-            accel_prior=self._prior,
-        )
-
-    def _onset_range_s(self, until_s: float) -> tuple[float, float]:
-        """Return when a corner may have begun [s], as seen at ``until_s`` [s]."""
-        return max(self._tracker.begun_s, until_s - ONSET_REACH_S), until_s
-
-    def _turned(self, motion: Motion) -> float:
-        """Return by how much he has turned from the leg [rad]."""
-        assert self._heading_rad is not None
-        return wrap_angle(motion.course_rad - self._heading_rad)
-
-    def _tell(self, seen: Watch, motion: Motion) -> None:
-        """Tell of the leg as it is known by all rows."""
-        means = seen.means
-        if math.hypot(means[0, 1], means[1, 1]) < self._p.min_cruise_mps:
-            self.leg = None
-            return
-        self._heading_rad = math.atan2(means[1, 1], means[0, 1])
-        self.leg = told_of(motion.time_s, means, seen.covariance, self._heading_rad)
+            self.leg = watched.leg(seen, motion.time_s)
 
     # A corner ahead ----------------------------------------------------------------------------
 
     def _detect(self, seen: Watch, motion: Motion) -> None:
-        """Foretell a corner."""
+        """Predict a corner."""
         self._detected_s = motion.time_s
         self._turning_since_s = None
         self._slow_fixes = 0
@@ -182,90 +124,35 @@ class CornerTracker:
         assert self.leg is not None
         self.phase = Phase.DECELERATING
         self._cruise_speed_mps = self.leg.speed_mps
-        if seen.turning > seen.slowing and abs(self._turned(motion)) > CONFIRMED_RAD:
+        if seen.turning > seen.slowing and abs(self._watched.turned(motion)) > CONFIRMED_RAD:
             self._turning_since_s = motion.time_s
             self._roll(seen, motion)
         else:
             posterior = self._infer(motion)
             onset_s = posterior.stop_time_s - posterior.speed_mps / posterior.accel_mps2
-            self._tell_before(onset_s - ONSET_SIGMA_S)
-            self._publish(posterior, motion)
-
-    def _tell_before(self, onset_s: float) -> None:
-        """Tell of the leg as it was before a corner began, which the newest rows bend."""
-        assert self._heading_rad is not None
-        rows = self._tracker.rows
-        rows = rows[rows[:, TIME] < onset_s]
-        if len(rows):
-            *_, means, spread = filtered(rows, *self._tracker.belief.start, self._heading_rad)
-            self.leg = told_of(float(rows[-1, TIME]), means, spread, self._heading_rad)
+            self.leg = self._watched.leg_before(onset_s - ONSET_SIGMA_S) or self.leg
+            self._predict(posterior, motion)
 
     def _infer(self, motion: Motion) -> StopPosterior:
-        assert self._heading_rad is not None
-        return stop_posterior(
-            self._tracker.rows,
-            self._tracker.belief,
-            self._heading_rad,
-            onset_range_s=self._onset_range_s(self._detected_s),
-            accel_prior=self._prior,
-            origin_m=(motion.x_m, motion.y_m),
-            refinements=REFINEMENTS,
-        )
+        return self._watched.stop(motion, self._prior, self._detected_s)
 
-    def _publish(self, posterior: StopPosterior, motion: Motion) -> None:
+    def _roll(self, seen: Watch, motion: Motion) -> None:
         assert self.leg is not None
-        assert self._heading_rad is not None
+        accel, slowest = self._prior.centre_mps2, self._p.min_cruise_mps
+        stop = rolled_stop(self.leg, motion, seen.turn_mps2, accel_mps2=accel, slowest_mps=slowest)
+        self.corner = predicted_corner(self.leg, motion.time_s, stop)
+
+    def _predict(self, posterior: StopPosterior, motion: Motion) -> None:
+        assert self.leg is not None
         self._posterior = posterior
-        here = Pose(motion.x_m, motion.y_m, self._heading_rad)
-        off = self._line.across(here.x_m, here.y_m)
-        stop = here.offset(posterior.stop_along_m, -off)
-        self._foretell(
-            motion.time_s,
-            stop,
-            posterior.stop_time_s,
-            posterior.speed_mps,
-            posterior.accel_mps2,
-            (posterior.stop_along_sigma_m, posterior.stop_time_sigma_s),
-        )
-
-    @property
-    def _line(self) -> Pose:
-        assert self.leg is not None
-        return self.leg.foot
-
-    def _foretell(
-        self,
-        time_s: float,
-        stop: Pose,
-        stop_time_s: float,
-        speed_mps: float,
-        accel_mps2: float,
-        sigmas: tuple[float, float],
-    ) -> None:
-        leg = self.leg
-        assert leg is not None
-        ahead_s = stop_time_s - leg.time_s
-        across = math.hypot(leg.position_sigma_m, leg.speed_sigma_mps * ahead_s)
-        c, s = math.cos(stop.heading_rad), math.sin(stop.heading_rad)
-        axes = np.array([[c, -s], [s, c]])
-        variances = np.diag([sigmas[0] ** 2, max(across**2, 1e-6)])
-        self.corner = CornerEstimate(
-            time_s=time_s,
-            stop=stop,
-            stop_time_s=stop_time_s,
-            speed_mps=speed_mps,
-            accel_mps2=accel_mps2,
-            covariance=axes @ variances @ axes.T,
-            heading_sigma_rad=leg.heading_sigma_rad,
-            stop_time_sigma_s=sigmas[1],
-        )
+        stop = stop_ahead(self.leg, motion, self._watched.heading_rad, posterior)
+        self.corner = predicted_corner(self.leg, motion.time_s, stop)
 
     def _decelerating(self, _rows: list[LegRow], motion: Motion) -> None:
-        assert self._heading_rad is not None
-        seen = self._watch(motion)
-        turned = self._turned(motion)
+        seen = self._watched.watch(motion.time_s, self._prior)
+        turned = self._watched.turned(motion)
         if self._turning_since_s is None and (
-            seen.turning > self._needed
+            seen.turning > self._watched.needed
             and abs(turned) > TURNING_RAD
             and motion.speed_mps > self._p.min_cruise_mps
         ):
@@ -273,7 +160,7 @@ class CornerTracker:
         if self._turning_since_s is not None:
             self._turn(seen, motion, turned)
             return
-        self._publish(self._infer(motion), motion)
+        self._predict(self._infer(motion), motion)
         assert self._posterior is not None
         cruise = self._posterior.speed_mps
         expected = self._expected_speed(motion.time_s)
@@ -281,7 +168,7 @@ class CornerTracker:
         overdue_s = motion.time_s - self._posterior.stop_time_s
         moving = along > STOPPED_SHARE * cruise
         if (
-            self._posterior.log_bayes_factor < WITHDRAWN_SHARE * self._needed
+            self._posterior.log_bayes_factor < WITHDRAWN_SHARE * self._watched.needed
             or along > max(0.6 * cruise, expected + 0.4 * cruise)
             or (moving and overdue_s > STOP_CONFIRM_S)
         ):
@@ -293,7 +180,7 @@ class CornerTracker:
             self._learn(self._posterior)
 
     def _stands(self, motion: Motion) -> bool:
-        """Whether he has come to a stand, though the stop that is foretold still creeps ahead.
+        """Whether he has come to a stand, though the stop that is predicted still creeps ahead.
 
         The last of a deceleration is eased off.
         """
@@ -313,34 +200,6 @@ class CornerTracker:
         else:
             self._roll(seen, motion)
 
-    def _roll(self, seen: Watch, motion: Motion) -> None:
-        """Tell a rolled corner as a stop that costs as much time, where its legs' lines cross.
-
-        Turning by the angle t so far, at v with the radius r, the helicopter is on its new leg
-        after r (pi / 2 - t) more, r (1 - sin t) ahead.
-        """
-        assert self.leg is not None
-        line, cruise = self._line, self.leg.speed_mps
-        v = max(motion.speed_mps, self._p.min_cruise_mps)
-        turned = min(abs(wrap_angle(motion.course_rad - line.heading_rad)), RIGHT_ANGLE_RAD)
-        radius = v**2 / max(abs(seen.turn_mps2), 1.0)
-        ahead = line.along(motion.x_m, motion.y_m) + radius * (1.0 - math.sin(turned))
-        passed_s = self.leg.time_s + ahead / cruise
-        on_leg_s = motion.time_s + radius * (RIGHT_ANGLE_RAD - turned) / v
-        accel = self._prior.centre_mps2
-        missing = max(0.0, cruise - v)
-        ramp_m = (cruise**2 - min(v, cruise) ** 2) / (2.0 * accel)
-        lost_s = on_leg_s + missing / accel - (radius + ramp_m) / cruise - passed_s
-        equal_m = min(max(0.5 * cruise * lost_s, LEAST_STOP_M), cruise**2 / (2.0 * accel))
-        self._foretell(
-            motion.time_s,
-            line.offset(ahead),
-            passed_s + equal_m / cruise,
-            cruise,
-            cruise**2 / (2.0 * equal_m),
-            (0.3 * radius, 0.3 * radius / v),
-        )
-
     def _expected_speed(self, time_s: float) -> float:
         assert self._posterior is not None
         left = self._posterior.stop_time_s - time_s
@@ -352,7 +211,7 @@ class CornerTracker:
         self.corner = self._posterior = None
         leg = self.leg
         assert leg is not None
-        self._tracker.settle(motion.time_s - NEWEST_S, leg.foot.heading_rad)
+        self._watched.settle(motion.time_s - NEWEST_S, leg.foot.heading_rad)
         turned = wrap_angle(motion.course_rad - leg.foot.heading_rad)
         if abs(turned) < STILL_ON_RAD and abs(motion.speed_mps - leg.speed_mps) < STILL_ON_MPS:
             self.phase = Phase.CRUISE
@@ -396,15 +255,14 @@ class CornerTracker:
             return
         if not self._begins:
             self._begins = True
-            self._begin_leg(rows, motion)
+            self._watched.begin(rows, motion)
             return
-        for row in rows:
-            self._tracker.add(row)
-        self._heading_rad = motion.course_rad
-        seen = self._watch(motion)
+        self._watched.add(rows)
+        self._watched.heading_rad = motion.course_rad
+        seen = self._watched.watch(motion.time_s, self._prior)
         known = math.sqrt(seen.covariance[1, 1]) < KNOWN_SPEED_SIGMA_MPS
-        if known or motion.time_s - self._tracker.begun_s > KNOWN_AFTER_S:
-            self._tell(seen, motion)
+        if known or motion.time_s - self._watched.begun_s > KNOWN_AFTER_S:
+            self.leg = self._watched.leg(seen, motion.time_s)
             if self.leg is not None:
                 self.phase = Phase.CRUISE
                 self.corner = None

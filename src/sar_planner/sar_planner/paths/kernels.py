@@ -268,7 +268,8 @@ def soonest_capture(
     The duration is infinite where none is sooner than ``before_s``. Over a grid of the headings on
     the two straights, which are solved for as by ``captures.CaptureProblem.solve``; ``sides``: of
     the first three turns. ``forecasts``: tables, shape (f, 7, m); ``steady``: when each is steady
-    [s], and at what speed, shape (f, 2).
+    [s], and at what speed, shape (f, 2). In one piece: it is compiled, and its loops give a path up
+    as soon as it cannot be the soonest.
     """
     radius = radius_m[1]
     last_side = 0.0 if last_turn_rad == 0.0 else math.copysign(1.0, last_turn_rad)

@@ -192,7 +192,8 @@ def _search(  # noqa: PLR0917 - compiled functions take arguments by position
     And how many poses the grid holds.
 
     Steps are flown at the fastest speed; the time is infinite where none is before ``before_s``.
-    ``sizes_radii``: of a step and of a cell, in turn radii.
+    ``sizes_radii``: of a step and of a cell, in turn radii. In one piece: it is compiled, and its
+    tables are its own.
     """
     radius = radius_m[1]
     step_m, cell_m, reach_m = sizes_radii[0] * radius, sizes_radii[1] * radius, REACH_RADII * radius

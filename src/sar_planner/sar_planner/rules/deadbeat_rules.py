@@ -285,22 +285,6 @@ class DeadbeatRules:
             path = self._finer_loop(problem, path, lead_m, separation_m)
         return self._corner_plan(rule, lag_m, path)
 
-    def least_lag_m(self, *, lead_m: float, separation_m: float) -> float:
-        """Return the least lag, 0 or more, that one corner takes out; 0 where none is found.
-
-        A UAV that makes good little of its speed cannot take any out from L = 0: it is then on the
-        far side of the helicopter's new leg, and has no time to come back across it.
-        """
-        step = LAG_STEP * self.parameters.spacing_m
-        for count in range(LAG_STEPS):
-            try:
-                plan = self.plan(count * step, lead_m=lead_m, separation_m=separation_m)
-            except NoPathError:
-                continue
-            if abs(plan.next_lag_m) <= CONVERGED_M:
-                return count * step
-        return 0.0
-
     def _worth_comparing(self, batch: PathBatch, separation_m: float) -> PathBatch:
         """Return some paths that keep the separation, in order of length.
 
@@ -356,3 +340,20 @@ class DeadbeatRules:
         p = self.parameters
         late = (1.0 / self._made_good - 1.0) * (path.length_m - float(batch.rows[0, STRAIGHT_P]))
         return CornerPlan(rule, lag_m, next_lag_m(path, p) + late, path, p)
+
+
+def least_lag_m(rules: DeadbeatRules, *, lead_m: float, separation_m: float) -> float:
+    """Return the least lag, 0 or more, that one corner takes out; 0 where none is found.
+
+    A UAV that makes good little of its speed cannot take any out from L = 0: it is then on the
+    far side of the helicopter's new leg, and has no time to come back across it.
+    """
+    step = LAG_STEP * rules.parameters.spacing_m
+    for count in range(LAG_STEPS):
+        try:
+            plan = rules.plan(count * step, lead_m=lead_m, separation_m=separation_m)
+        except NoPathError:
+            continue
+        if abs(plan.next_lag_m) <= CONVERGED_M:
+            return count * step
+    return 0.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from sar_bridge.monitor.component import MonitorComponent
-from sar_bridge.monitor.helicopter_hypotheses import Habits
+from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_bridge.monitor.separation_monitor import SeparationMonitor
 from sar_estimator.common import topics
@@ -58,7 +58,7 @@ def monitor_for(
     """Return the monitor of a mission, as the launcher sets it up."""
     return MonitorComponent(
         MonitorParameters(min_separation_m=corner.separation_m, watch_only=watch_only),
-        Habits(corner.speed_mps, corner.accel_mps2, turn_side),
+        HelicopterModel(corner.speed_mps, corner.accel_mps2, turn_side),
     )
 
 

@@ -75,6 +75,46 @@ class NodeSpec:
     parameters: dict[str, Any] = field(default_factory=dict)
 
 
+def _sim_parameters(scenario_file: Path, options: FlightOptions, port: int) -> dict[str, Any]:
+    return {
+        "scenario": str(scenario_file),
+        "speed": options.pace,
+        "uav": not options.autopilot,
+        "follow_autopilot": bool(options.autopilot),
+        "mavlink_port": port,
+        "live_helicopter": options.live,
+        "track": options.helicopter if options.recorded else "",
+        "wait_for_listeners": 2,
+    }
+
+
+def _estimator_parameters(scenario: Scenario, options: FlightOptions) -> dict[str, Any]:
+    if options.recorded:
+        return {"default_fix_sigma_m": RECORDED_FIX_SIGMA_M}
+    if options.live:
+        return {}
+    return {f"datum_{key}": value for key, value in asdict(scenario.datum).items()}
+
+
+def _planner_parameters(scenario: Scenario, options: FlightOptions) -> dict[str, Any]:
+    corner = {key: value or 0.0 for key, value in asdict(scenario.corner).items()}
+    return corner | {
+        "rules": options.rules,
+        "turn_side": scenario.pattern.turn_side,
+        "arc_spacing_m": scenario.arc_spacing_m,
+    }
+
+
+def _monitor_parameters(scenario: Scenario, options: FlightOptions) -> dict[str, Any]:
+    found = {
+        "min_separation_m": scenario.corner.separation_m,
+        "speed_mps": scenario.corner.speed_mps,
+        "accel_mps2": scenario.corner.accel_mps2,
+        "turn_side": scenario.pattern.turn_side,
+    }
+    return found | ({"watch_only": True} if options.watch_only else {})
+
+
 def plan_nodes(
     scenario: Scenario,
     scenario_file: Path,
@@ -89,58 +129,20 @@ def plan_nodes(
     ``tuned``: parameters from the parameter file by node name, over which the scenario's go.
     """
     clock = {"use_sim_time": not options.live}
-    estimator: dict[str, Any] = {}
-    if options.recorded:
-        estimator["default_fix_sigma_m"] = RECORDED_FIX_SIGMA_M
-    elif not options.live:
-        estimator |= {f"datum_{key}": value for key, value in asdict(scenario.datum).items()}
-    corner = {key: value or 0.0 for key, value in asdict(scenario.corner).items()}
-    planner = corner | {
-        "rules": options.rules,
-        "turn_side": scenario.pattern.turn_side,
-        "arc_spacing_m": scenario.arc_spacing_m,
-    }
     bridge = {
         "autopilot_url": options.autopilot or f"udp:127.0.0.1:{port}",
         "altitude_m": scenario.sensor.altitude_m,
     }
-    monitor = {
-        "min_separation_m": scenario.corner.separation_m,
-        "speed_mps": scenario.corner.speed_mps,
-        "accel_mps2": scenario.corner.accel_mps2,
-        "turn_side": scenario.pattern.turn_side,
-    }
-    if options.watch_only:
-        monitor["watch_only"] = True
-    specs = [
-        NodeSpec("sar_sim", "record", {"bag": str(bag)}),
-        NodeSpec("sar_estimator", "estimator", estimator),
-        NodeSpec("sar_planner", "planner", planner),
-        NodeSpec("sar_bridge", "monitor", monitor),
-        NodeSpec("sar_bridge", "bridge", bridge),
+    wanted = [
+        ("sar_sim", "record", {"bag": str(bag)} | clock),
+        ("sar_estimator", "estimator", _estimator_parameters(scenario, options) | clock),
+        ("sar_planner", "planner", _planner_parameters(scenario, options) | clock),
+        ("sar_bridge", "monitor", _monitor_parameters(scenario, options) | clock),
+        ("sar_bridge", "bridge", bridge | clock),
     ]
     if options.simulation and not (options.live and options.autopilot):
-        sim = {
-            "scenario": str(scenario_file),
-            "speed": options.pace,
-            "uav": not options.autopilot,
-            "follow_autopilot": bool(options.autopilot),
-            "mavlink_port": port,
-            "live_helicopter": options.live,
-            "track": options.helicopter if options.recorded else "",
-            "wait_for_listeners": 2,
-        }
-        specs.append(NodeSpec("sar_sim", "sim", sim))
-    return [
-        NodeSpec(
-            spec.package,
-            spec.executable,
-            tuned.get(spec.executable, {})
-            | spec.parameters
-            | ({} if spec.executable == "sim" else clock),
-        )
-        for spec in specs
-    ]
+        wanted.append(("sar_sim", "sim", _sim_parameters(scenario_file, options, port)))
+    return [NodeSpec(package, name, tuned.get(name, {}) | own) for package, name, own in wanted]
 
 
 def parameter_document(specs: list[NodeSpec]) -> dict[str, Any]:

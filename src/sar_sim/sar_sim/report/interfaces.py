@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from sar_bridge.monitor.component import MonitorComponent
-from sar_bridge.monitor.helicopter_hypotheses import Habits
+from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_bridge.session.interface import INPUTS, OUTPUTS
 from sar_estimator.common import topics
@@ -40,7 +40,7 @@ def _components() -> list[Component]:
     return [
         EstimatorComponent(EstimatorParameters()),
         PlannerComponent(CornerParameters(), MissionParameters()),
-        MonitorComponent(MonitorParameters(), Habits()),
+        MonitorComponent(MonitorParameters(), HelicopterModel()),
     ]
 
 

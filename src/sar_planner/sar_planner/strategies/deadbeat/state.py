@@ -20,7 +20,7 @@ from sar_planner.paths.flight_path import CornerFrame
 from sar_planner.prediction.forecast import Forecast
 from sar_planner.prediction.situation import Situation
 from sar_planner.rejoin.tracked_path import TrackedPath, is_on_track
-from sar_planner.rules.deadbeat_rules import DeadbeatRules
+from sar_planner.rules.deadbeat_rules import DeadbeatRules, least_lag_m
 from sar_planner.rules.paper_rules import Rule
 from sar_planner.strategies.active_corner import ActiveCorner, Mode
 
@@ -180,7 +180,7 @@ class Tick:
             return 0.0
         lead_m = self.corner.speed_mps * (DETECTION_S + self.mission.reaction_s)
         rules = DeadbeatRules(self.corner, made_good=share)
-        return rules.least_lag_m(lead_m=lead_m, separation_m=self.corner.separation_m)
+        return least_lag_m(rules, lead_m=lead_m, separation_m=self.corner.separation_m)
 
     def on_slot(self) -> bool:
         """Whether the UAV is about on the slot track."""
