@@ -166,6 +166,7 @@ KEYS = {
     "matplotlib": "python3-matplotlib",
     "numba": "python3-numba",
     "numpy": "python3-numpy",
+    "pydantic": "python3-pydantic",
     "pymap3d": "python3-pymap3d",
     "pymavlink": "python3-pymavlink-pip",
     "rosbags": "python3-rosbags-pip",

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, qos_profile_sensor_data
 from std_srvs.srv import Trigger
@@ -41,11 +43,18 @@ def subscribe(node: Node, topic: str, callback: Callable[[Any], None]) -> None:
 
 
 class ComponentNode(Node):
-    """Feeds a component with messages and the clock, and publishes what it gives."""
+    """Feeds a component with messages and the clock, and publishes what it gives.
+
+    ``by_wall_clock``: whether it is ticked by the machine's clock, not by the graph's. ``lock``: is
+    held while the component works, for those that other threads feed too.
+    """
+
+    by_wall_clock = False
 
     def __init__(self, name: str, make: Callable[[Node], Component]) -> None:
         """Make the component, which may declare parameters; create topics, services, timers."""
         super().__init__(name)
+        self.lock = threading.RLock()
         self._component = make(self)
         self._newest_s = 0.0
         self._senders = {topic: publisher(self, topic) for topic in self._component.outputs}
@@ -53,9 +62,14 @@ class ComponentNode(Node):
             subscribe(self, topic, self._taker(topic))
         for service, answer in self._component.services.items():
             self.create_service(Trigger, topics.name_of(service), self._server(service, answer))
-        self.create_timer(self._component.period_s, self._on_timer)
+        wall = Clock(clock_type=ClockType.STEADY_TIME) if self.by_wall_clock else None
+        self.create_timer(self._component.period_s, self._on_timer, clock=wall)
         report_each_second(self, self._on_report)
-        self._publish(self._component.start(now_s(self)))
+        self.publish(self._component.start(self.component_s()))
+
+    def component_s(self) -> float:
+        """Return the time [s] that the component goes by: the graph's."""
+        return now_s(self)
 
     def _taker(self, topic: str) -> Callable[[Any], None]:
         wire = WIRES[topic]
@@ -66,9 +80,10 @@ class ComponentNode(Node):
             except ValueError as error:
                 self.get_logger().warning(f"{topic}: {error}", throttle_duration_sec=THROTTLE_S)
                 return
-            self._publish(self._component.handle(topic, value, now_s(self)))
-            if topic in self._component.urgent:
-                self._on_timer()
+            with self.lock:
+                self.publish(self._component.handle(topic, value, self.component_s()))
+                if topic in self._component.urgent:
+                    self._on_timer()
 
         return take
 
@@ -76,35 +91,41 @@ class ComponentNode(Node):
         self, service: str, answer: Callable[[float], Answer]
     ) -> Callable[[Trigger.Request, Trigger.Response], Trigger.Response]:
         def serve(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-            found = answer(now_s(self))
-            response.success, response.message = found.success, found.message
-            self.get_logger().info(f"{service.rpartition('/')[2]}: {found.message}")
-            self._publish(found.outputs)
+            with self.lock:
+                found = answer(self.component_s())
+                response.success, response.message = found.success, found.message
+                self.get_logger().info(f"{service.rpartition('/')[2]}: {found.message}")
+                self.publish(found.outputs)
             return response
 
         return serve
 
     def _on_timer(self) -> None:
-        now = now_s(self)
-        if now < self._newest_s - CLOCK_STEP_S:
-            self.get_logger().warning(f"clock set back by {self._newest_s - now:.1f} s")
-            self._component.set_clock_back()
-        self._newest_s = now
-        self._publish(self._component.tick(now))
+        with self.lock:
+            now = self.component_s()
+            if now < self._newest_s - CLOCK_STEP_S:
+                self.get_logger().warning(f"clock set back by {self._newest_s - now:.1f} s")
+                self._component.set_clock_back()
+            self._newest_s = now
+            self.publish(self._component.tick(now))
 
     def _on_report(self) -> None:
-        now = now_s(self)
-        self._publish(
-            [*self._component.report(now), (topics.DIAGNOSTICS, self._component.health(now))]
-        )
+        with self.lock:
+            now = self.component_s()
+            health = self._component.health(now)
+            self.publish([*self._component.report(now), (topics.DIAGNOSTICS, health)])
 
-    def _publish(self, outputs: Outputs) -> None:
+    def publish(self, outputs: Outputs) -> None:
+        """Publish what the component gives, and log its notices."""
         for topic, value in outputs:
             if topic == NOTICES:
                 self._log(value)
             else:
-                message = WIRES[topic].to_message(value, now_s(self))
-                self._senders[topic].publish(message)
+                self.send(topic, value)
+
+    def send(self, topic: str, value: Any) -> None:
+        """Publish a value."""
+        self._senders[topic].publish(WIRES[topic].to_message(value, now_s(self)))
 
     def _log(self, notice: Notice) -> None:
         log = self.get_logger()

@@ -30,11 +30,17 @@ class HelicopterReport(NamedTuple):
 
 
 class UavReport(NamedTuple):
-    """The UAV's motion, its heading, and its height above the map's origin [m]."""
+    """The UAV's motion, its heading, and its height above the map's origin [m].
+
+    And how it is flown there: pitch and roll (to the right positive), and its climb.
+    """
 
     motion: Motion
     yaw_rad: float
     up_m: float = 0.0
+    pitch_rad: float = 0.0
+    roll_rad: float = 0.0
+    climb_mps: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,6 +21,7 @@ from geometry_msgs.msg import (
 )
 from nav_msgs.msg import Odometry, Path
 from pydantic import FiniteFloat
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import NavSatFix
 from std_msgs.msg import Float64, String
 from visualization_msgs.msg import MarkerArray
@@ -105,9 +106,13 @@ def _helicopter_carried(estimate: MotionEstimate) -> HelicopterReport:
 
 
 def _uav_message(report: UavReport, _time_s: float) -> Odometry:
-    return conversions.motion_to_odometry(
+    message = conversions.motion_to_odometry(
         report.motion, child="uav", yaw_rad=report.yaw_rad, up_m=report.up_m
     )
+    attitude = report.yaw_rad, report.pitch_rad, report.roll_rad
+    message.pose.pose.orientation = conversions.to_quaternion(*attitude)
+    message.twist.twist.linear.z = report.climb_mps
+    return message
 
 
 def _uav(message: Odometry) -> UavReport:
@@ -270,6 +275,14 @@ WIRES: dict[str, Wire] = {
         _uav,
         _uav_carried,
     ),
+    topics.UAV_CLOCK: Wire(
+        "the autopilot's time since boot",
+        Clock,
+        RELIABLE,
+        lambda boot_s, _: Clock(clock=conversions.to_stamp(boot_s)),
+        lambda message: conversions.from_stamp(message.clock),
+        _same,
+    ),
     topics.UAV_STATE: Wire(
         "mode, armed, connected, led, airspeed_ratio",
         DiagnosticStatus,
@@ -366,6 +379,11 @@ WIRES: dict[str, Wire] = {
         _same,
     ),
     topics.DIAGNOSTICS: Wire(
-        "how every node is, 1 Hz", DiagnosticArray, RELIABLE, _health, _same, _same
+        "how every node is, 1 Hz",
+        DiagnosticArray,
+        RELIABLE,
+        _health,
+        lambda array: tuple(status.name for status in array.status),
+        lambda health: (health.name,),
     ),
 }

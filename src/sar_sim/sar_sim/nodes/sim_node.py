@@ -19,7 +19,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import NavSatFix
 
 from sar_estimator.common import topics
-from sar_estimator.common.component_node import publisher
+from sar_estimator.common.component_node import publisher, subscribe
 from sar_estimator.common.conversions import from_stamp, odometry_to_motion, to_stamp
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.node_parameters import parameters
@@ -81,9 +81,7 @@ class SimNode(Node):
         self._follower: AutopilotPacer | None = None
         if own.follow_autopilot:
             self._follower = AutopilotPacer(self._speed)
-            self.create_subscription(
-                Clock, topics.name_of(topics.UAV_CLOCK), self._on_uav_clock, RELIABLE
-            )
+            subscribe(self, topics.UAV_CLOCK, self._on_uav_clock)
         self._listeners, self._patience_s = own.wait_for_listeners, own.patience_s
         self._clock_sender = self.create_publisher(Clock, topics.CLOCK, RELIABLE)
         self._senders = {topic: publisher(self, topic, ALL_WIRES) for topic in TOLD}

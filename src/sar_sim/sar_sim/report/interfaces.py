@@ -5,7 +5,7 @@ from __future__ import annotations
 from sar_bridge.monitor.component import MonitorComponent
 from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.parameters import MonitorParameters
-from sar_bridge.session.interface import INPUTS, OUTPUTS
+from sar_bridge.session.component import BridgeComponent
 from sar_estimator.common import topics
 from sar_estimator.common.component import Component
 from sar_estimator.common.wires import WIRES
@@ -15,16 +15,14 @@ from sar_planner.component import PlannerComponent
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 
-# What is no component: topics taken and given, beside those of components.
+# What is no component of ours.
 OTHERS = {
-    "bridge": (INPUTS, OUTPUTS),
     "receiver": ((), (topics.FIX, topics.VELOCITY)),
 }
 SHOWN = {"planner": (topics.MARKERS,)}
 REST = """
-Beside these: `/uav/clock` (rosgraph_msgs/Clock, the autopilot's time since boot, bridge to sim),
-`/clock`, and the truth that a simulation tells: `/sim/helicopter`, `/sim/uav`, `/sim/corner`,
-`/sim/scenario`.
+Beside these: `/clock`, and the truth that a simulation tells: `/sim/helicopter`, `/sim/uav`,
+`/sim/corner`, `/sim/scenario`.
 
 Services (std_srvs/Trigger): `/planner/engage`, `/planner/disengage`, `/bridge/return_home`.
 
@@ -41,6 +39,7 @@ def _components() -> list[Component]:
         EstimatorComponent(EstimatorParameters()),
         PlannerComponent(CornerParameters(), MissionParameters()),
         MonitorComponent(MonitorParameters(), HelicopterModel()),
+        BridgeComponent(altitude_m=150.0, target_system=0, node_timeout_s=4.0),
     ]
 
 
