@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from sar_bridge.mavlink.mission_items import waypoint_items
-from sar_bridge.mission.mission_slots import BANK_ITEMS, BANKS
+from sar_bridge.mission.mission_slots import SLOT_ITEMS, SLOTS
 from sar_estimator.common import topics
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import Pose
@@ -96,8 +96,8 @@ def test_engage_release_engage_and_return_home(launch):
 
         await_true(lambda: operator(flight, "engage") == (0, "engage: engaged\n"))
         await_true(lambda: pilot.mode is FlightMode.AUTO)
-        assert len(pilot.items) >= 1 + BANKS * BANK_ITEMS  # a long first list makes them larger
-        assert (len(pilot.items) - 1) % BANKS == 0
+        assert len(pilot.items) >= 1 + SLOTS * SLOT_ITEMS  # a long first list makes them larger
+        assert (len(pilot.items) - 1) % SLOTS == 0
 
         pilot.set_mode(FlightMode.LOITER)  # the pilot takes it back
         time.sleep(4.0)
@@ -137,7 +137,7 @@ def test_one_command_takes_a_uav_in_auto_into_formation_and_leaves_it_to_who_tak
     flight = launch("--autopilot", f"udp:127.0.0.1:{port}", "--engage")
     vehicle.start()
     try:
-        await_true(lambda: len(pilot.items) >= 1 + BANKS * BANK_ITEMS)
+        await_true(lambda: len(pilot.items) >= 1 + SLOTS * SLOT_ITEMS)
         assert pilot.mode is FlightMode.AUTO
         pilot.set_mode(FlightMode.LOITER)  # the pilot takes it, and keeps it
         time.sleep(2.0)

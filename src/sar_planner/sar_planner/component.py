@@ -184,9 +184,9 @@ class PlannerComponent(Component):
                 "wind_mps": f"{math.hypot(*planner.wind_mps):.1f}",
                 "autopilot": planner.vehicle.warning(),
                 "corrections": report.corrections,
-                "made_good": f"{report.efficiency:.2f}",
+                "path_efficiency": f"{report.efficiency:.2f}",
                 "turn_radius_m": f"{planner.turn_radius_m:.0f}",
-                "kept_lag_m": f"{report.lag_setpoint_m:.0f}",
+                "lag_setpoint_m": f"{report.lag_setpoint_m:.0f}",
                 "lists": 0 if planner.list is None else planner.list.number,
             },
         )

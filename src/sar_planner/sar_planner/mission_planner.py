@@ -237,7 +237,7 @@ class MissionPlanner:
 
     def update(self, now_s: float) -> PlannedList | None:
         """Return a new waypoint list when one is due."""
-        if self._new and self.status.led and self.status.mode == "AUTO":
+        if self._new and self.status.tracking_list and self.status.mode == "AUTO":
             self.engage(now_s)  # the UAV was being led when this planner was started
         if not self.engaged:
             return None

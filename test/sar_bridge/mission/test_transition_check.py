@@ -6,7 +6,7 @@ import pytest
 from sar_bridge.arduplane.l1_predictor import FollowerTuning
 from sar_bridge.arduplane.list_entry import entry_of
 from sar_bridge.mavlink.mission_items import waypoint_items
-from sar_bridge.mission.mission_slots import MissionBanks, RunIn, Write
+from sar_bridge.mission.mission_slots import CaptureWaypoints, MissionSlots, Write
 from sar_bridge.mission.transition_check import LOOKED_BEHIND_S, STEP_S, Track
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import Pose
@@ -31,13 +31,13 @@ ASIDE = np.vstack(((0.0, 15.0), STRAIGHT + np.array((0.0, 15.0))))
 
 
 def flying():
-    """Return an autopilot on the first list, ``STRAIGHT``, and the banks that hold it."""
+    """Return an autopilot on the first list, ``STRAIGHT``, and the slots that hold it."""
     pilot = SimAutopilot(Pose(-200.0, 0.0, 0.0), speed_mps=20.0, uav=UAV, datum=DATUM)
-    banks = MissionBanks(altitude_m=150.0)
-    load_list(pilot, banks, STRAIGHT, DATUM)
+    slots = MissionSlots(altitude_m=150.0)
+    load_list(pilot, slots, STRAIGHT, DATUM)
     while pilot.motion.x_m < 0.0 or pilot.current < 2:
         pilot.step(0.05)
-    return pilot, banks
+    return pilot, slots
 
 
 def flown(pilot, seconds=LOOKED_BEHIND_S):
@@ -53,14 +53,14 @@ def flown(pilot, seconds=LOOKED_BEHIND_S):
 @pytest.mark.parametrize("again", [False, True])
 def test_a_list_is_flown_leg_by_leg_from_where_it_is_entered(points, again):
     """Run-ins lead onto the leg itself: no leg is begun where the UAV is, or only headed for."""
-    pilot, banks = flying()
+    pilot, slots = flying()
     here = pilot.motion
     places = points + np.array((here.x_m, here.y_m))
     entry = entry_of(places, here)
-    foretold = Track(places[entry.at :], entry.begin, here, TUNING, until_m=0.0)
+    predicted = Track(places[entry.at :], entry.begin, here, TUNING, until_m=0.0)
     for _ in range(1 + again):
-        load_list(pilot, banks, places, DATUM)
-    assert np.hypot(*(flown(pilot) - foretold.flown).T).max() < 8.0
+        load_list(pilot, slots, places, DATUM)
+    assert np.hypot(*(flown(pilot) - predicted.flown).T).max() < 8.0
 
 
 def test_without_a_run_in_a_turn_is_flown_far_aside():
@@ -69,11 +69,11 @@ def test_without_a_run_in_a_turn_is_flown_far_aside():
     here = pilot.motion
     places = TURN + np.array((here.x_m, here.y_m))
     entry = entry_of(places, here)
-    foretold = Track(places[entry.at :], entry.begin, here, TUNING, until_m=0.0)
+    predicted = Track(places[entry.at :], entry.begin, here, TUNING, until_m=0.0)
     pilot.load(waypoint_items(places, DATUM, 150.0))
     pilot.set_current(1 + entry.at)
     pilot.set_current(1 + entry.at)
-    assert np.hypot(*(flown(pilot) - foretold.flown).T).max() > 15.0
+    assert np.hypot(*(flown(pilot) - predicted.flown).T).max() > 15.0
 
 
 def test_a_list_flown_alike_is_not_apart_and_another_is():
@@ -83,28 +83,28 @@ def test_a_list_flown_alike_is_not_apart_and_another_is():
 
 
 def test_a_jump_is_chosen_where_it_keeps_to_the_list_and_a_run_in_elsewhere():
-    pilot, banks = flying()
+    pilot, slots = flying()
     here = np.array((pilot.motion.x_m, pilot.motion.y_m))
     args = {"within_s": 0.5, "tuning": TUNING}
-    banks.fill(STRAIGHT + here * (1.0, 0.0) + np.array((5.0, 1.0)), DATUM, pilot.current)
-    step = banks.join(pilot.current, pilot.motion, DATUM, **args)
+    slots.fill(STRAIGHT + here * (1.0, 0.0) + np.array((5.0, 1.0)), DATUM, pilot.current)
+    step = slots.join(pilot.current, pilot.motion, DATUM, **args)
     assert isinstance(step, Write)
-    assert not isinstance(step, RunIn)
+    assert not isinstance(step, CaptureWaypoints)
     assert step.start == pilot.current + 1
-    banks.fill(TURN + here, DATUM, pilot.current)
-    assert isinstance(banks.join(pilot.current, pilot.motion, DATUM, **args), RunIn)
+    slots.fill(TURN + here, DATUM, pilot.current)
+    assert isinstance(slots.join(pilot.current, pilot.motion, DATUM, **args), CaptureWaypoints)
 
 
 def test_a_jump_behind_a_far_waypoint_that_lies_beyond_the_new_lists_turn_is_not_chosen():
-    """The last list's turn was foretold farther out: joined there, the UAV would turn too late."""
-    pilot, banks = flying()
+    """The last list's turn was predicted farther out: joined there, the UAV would turn too late."""
+    pilot, slots = flying()
     here = np.array((pilot.motion.x_m, pilot.motion.y_m))
     turn = TURN + here + np.array((220.0, 0.0))
-    load_list(pilot, banks, np.vstack((here, turn)), DATUM)
+    load_list(pilot, slots, np.vstack((here, turn)), DATUM)
     for _ in range(20):
         pilot.step(0.05)
     at = np.array((pilot.motion.x_m, pilot.motion.y_m))
     for sooner_m, is_jump in ((37.0, False), (0.0, True)):
-        banks.fill(np.vstack((at, turn - (sooner_m, 0.0))), DATUM, pilot.current)
-        step = banks.join(pilot.current, pilot.motion, DATUM, within_s=0.5, tuning=TUNING)
-        assert isinstance(step, RunIn) is not is_jump
+        slots.fill(np.vstack((at, turn - (sooner_m, 0.0))), DATUM, pilot.current)
+        step = slots.join(pilot.current, pilot.motion, DATUM, within_s=0.5, tuning=TUNING)
+        assert isinstance(step, CaptureWaypoints) is not is_jump

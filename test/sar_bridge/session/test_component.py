@@ -93,7 +93,7 @@ def test_a_list_is_uploaded_flown_and_told_of(flight):
     (uploaded,) = flight.of(topics.UPLOADED)
     assert uploaded.list_id == 7
     assert flight.pilot.mode is FlightMode.AUTO
-    assert flight.of(topics.UAV_STATE)[-1].led
+    assert flight.of(topics.UAV_STATE)[-1].tracking_list
     flight.give(topics.SPEED, 22.0)
     flight.run(0.2)
     assert flight.pilot.airspeed_mps == 22.0

@@ -10,7 +10,7 @@ from sar_bridge.mavlink.autopilot_state import AutopilotState, BootClock
 from sar_bridge.mavlink.commands import Command, CommandQueue
 from sar_bridge.mavlink.mission_items import waypoint_items
 from sar_bridge.mavlink.mission_upload import Address
-from sar_bridge.mission.mission_slots import BANK_ITEMS, BANKS, RUN_IN_ITEMS
+from sar_bridge.mission.mission_slots import CAPTURE_ITEMS, SLOT_ITEMS, SLOTS
 from sar_bridge.session.session import AutopilotSession
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import Pose
@@ -105,7 +105,7 @@ def test_first_list_is_uploaded_made_current_and_flown_from_guided(bench):
     bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
     assert bench.autopilot.mode is FlightMode.AUTO
     assert bench.autopilot.current == 1
-    assert len(bench.autopilot.items) == 1 + BANKS * BANK_ITEMS
+    assert len(bench.autopilot.items) == 1 + SLOTS * SLOT_ITEMS
     assert bench.session.accepted.list_id == 1
     bench.run(5.0)
     assert bench.autopilot.state.y_m == pytest.approx(-250.0, abs=0.1)
@@ -128,7 +128,7 @@ def test_list_from_before_the_session_does_not_change_the_mode(bench):
     bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now, may_engage=False))
     bench.run(1.0)
     assert bench.autopilot.mode is FlightMode.GUIDED
-    assert len(bench.autopilot.items) == 1 + BANKS * BANK_ITEMS
+    assert len(bench.autopilot.items) == 1 + SLOTS * SLOT_ITEMS
 
 
 def test_waypoints_passed_during_the_upload_are_skipped(bench):
@@ -346,7 +346,7 @@ def test_list_in_flight_goes_into_a_bank_and_is_joined_without_beginning_a_leg_a
     assert bench.autopilot.current == current
     assert bench.session.accepted.list_id == 2
     bench.run(20.0)
-    assert bench.autopilot.current > BANK_ITEMS
+    assert bench.autopilot.current > SLOT_ITEMS
     assert bench.autopilot.state.y_m == pytest.approx(-249.5, abs=0.3)
 
 
@@ -357,7 +357,7 @@ def test_list_that_leads_elsewhere_is_made_current():
     bench.run(2.0)
     turn = np.array([[250.0, -350.0], [250.0, -1000.0]])
     bench.exchange(bench.session.set_list(turn, 2.0, DATUM, bench.now))
-    assert bench.autopilot.current == 1 + 2 * BANK_ITEMS - RUN_IN_ITEMS
+    assert bench.autopilot.current == 1 + 2 * SLOT_ITEMS - CAPTURE_ITEMS
     assert command_numbers(bench)[-1] == mavlink.MAV_CMD_DO_SET_MISSION_CURRENT
 
 
@@ -448,7 +448,7 @@ def test_an_autopilot_that_restarts_half_way_has_the_whole_list_at_last(partial)
 def test_parameters_and_wind_are_learnt():
     bench = Bench(uav=ARDUPLANE, wind=Wind(6.0, 270.0))
     bench.run(3.0)
-    assert bench.session.parameters_told
+    assert bench.session.parameters_complete
     assert bench.session.parameters["NAVL1_PERIOD"] == 12.0
     assert bench.session.parameters["ROLL_LIMIT_DEG"] == 65.0
     assert bench.session.state.wind.vector_mps == pytest.approx((6.0, 0.0), abs=1e-4)
@@ -457,7 +457,7 @@ def test_parameters_and_wind_are_learnt():
 def test_an_autopilot_that_tells_no_parameters_is_not_asked_for_ever():
     bench = Bench()
     bench.run(20.0)
-    assert bench.session.parameters_told
+    assert bench.session.parameters_complete
     assert bench.session.parameters == {}
     before = len(bench.sent)
     bench.run(5.0)

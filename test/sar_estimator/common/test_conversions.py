@@ -30,14 +30,14 @@ def test_motion_round_trip(time_s, x, y, vx, vy, yaw):
 def test_a_motion_as_told_is_what_a_message_carries_to_the_last_bit(time_s, x, y, vx, vy, yaw):
     motion = Motion(time_s, x, y, vx, vy, 1.0, 2.0)
     message = m.motion_to_odometry(motion, child="uav", yaw_rad=yaw)
-    assert m.motion_as_told(motion, yaw) == m.odometry_to_motion(message)
+    assert m.motion_as_published(motion, yaw) == m.odometry_to_motion(message)
     assert m.stamped_s(time_s) == m.from_stamp(m.to_stamp(time_s))
 
 
 @given(st.floats(0.0, 2e9), values, values, st.floats(-7.0, 7.0), st.floats(0.0, 90.0), sigmas)
 def test_a_leg_as_told_is_what_a_message_carries_to_the_last_bit(time_s, x, y, yaw, speed, sigma):
     leg = LegEstimate(time_s, Pose(x, y, yaw), speed, sigma, 0.1 * sigma, 0.3 * sigma)
-    assert m.leg_as_told(leg) == m.odometry_to_leg(m.leg_to_odometry(leg))
+    assert m.leg_as_published(leg) == m.odometry_to_leg(m.leg_to_odometry(leg))
 
 
 def test_velocity_covariance_is_turned_into_the_body():

@@ -48,7 +48,9 @@ VALUES = {
     topics.PREDICTION: CORNER,
     topics.PHASE: Phase.DECELERATING,
     topics.UAV_ODOMETRY: UavReport(Motion(12.5, 1.0, 2.0, 15.0, -9.0), -0.5, 150.0),
-    topics.UAV_STATE: UavStatus("AUTO", armed=True, connected=True, led=True, airspeed_ratio=1.1),
+    topics.UAV_STATE: UavStatus(
+        "AUTO", armed=True, connected=True, tracking_list=True, airspeed_ratio=1.1
+    ),
     topics.AUTOPILOT: {"NAVL1_PERIOD": 17.0},
     topics.WIND: (3.0, -4.0),
     topics.UAV_CLOCK: 12.5,

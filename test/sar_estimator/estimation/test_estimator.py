@@ -386,8 +386,8 @@ def test_a_velocity_that_comes_after_its_fix_is_used_at_once():
     assert seen[0] == seen[1] <= 62
 
 
-def foretold(begin_s):
-    """Corners foretold of a flight with velocities after their fixes, times since ``begin_s``."""
+def predicted(begin_s):
+    """Corners predicted of a flight with velocities after their fixes, times since ``begin_s``."""
     rng = np.random.default_rng(4)
     estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
     found = []
@@ -405,7 +405,7 @@ def foretold(begin_s):
 
 def test_times_of_the_epoch_do_as_well_as_small_ones():
     """A double is no finer than 0.2 us there: as fine as a tolerance must be."""
-    small, large = foretold(0.0), foretold(1.8e9)
+    small, large = predicted(0.0), predicted(1.8e9)
     phases = [phase for phase, _ in small]
     assert {"cruise", "decelerating", "stopped", "accelerating"} == set(phases)
     assert phases[-1] == "cruise"

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from sar_estimator.estimation.leg import LegRow, LegTracker, told_of
+from sar_estimator.estimation.leg import LegRow, LegTracker, leg_estimate
 from sar_estimator.estimation.leg_process import LegProcess
 
 
@@ -64,7 +64,7 @@ def test_whether_velocities_come():
 def test_a_leg_is_told_by_its_line_and_mean_speed():
     means = np.array(((100.0, 12.0, 3.0, 0.4), (50.0, 16.0, -2.0, 0.1)))
     covariance = np.diag((4.0, 0.01, 9.0, 0.25))
-    leg = told_of(7.0, means, covariance, math.atan2(16.0, 12.0))
+    leg = leg_estimate(7.0, means, covariance, math.atan2(16.0, 12.0))
     assert (leg.foot.x_m, leg.foot.y_m) == (100.0, 50.0)
     assert leg.speed_mps == pytest.approx(20.0)
     assert (leg.position_sigma_m, leg.speed_sigma_mps) == pytest.approx((2.0, 0.1))

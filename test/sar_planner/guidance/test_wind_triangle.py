@@ -23,8 +23,8 @@ def test_airspeed_and_ground_speed_belong_together(course, wx, wy):
 
 def test_envelope_limits_what_is_made_good():
     air = AirEnvelope(15.0, 22.0, (5.0, 0.0))
-    made_good = air.ground_speeds_mps(np.array([0.0, math.pi, math.pi / 2.0]), 20.0)
-    assert made_good == pytest.approx([20.0, 17.0, 20.0])
+    path_efficiency = air.ground_speeds_mps(np.array([0.0, math.pi, math.pi / 2.0]), 20.0)
+    assert path_efficiency == pytest.approx([20.0, 17.0, 20.0])
     assert air.airspeed_mps(math.pi, 20.0) == 22.0
     assert air.airspeed_mps(0.0, 20.0) == 15.0
 

@@ -12,7 +12,7 @@ from sar_planner.paths.slot_intercept import (
     STRAIGHT_P,
     STRAIGHT_Q,
     STRAIGHT_Y,
-    CaptureProblem,
+    InterceptProblem,
     PathBatch,
 )
 
@@ -26,7 +26,7 @@ PLACES = st.floats(-1500.0, 1500.0)
     st.sampled_from([(STRAIGHT_Y, STRAIGHT_Q), (STRAIGHT_P, STRAIGHT_Y), (STRAIGHT_P, STRAIGHT_Q)]),
 )  # fmt: skip
 def test_solved_captures_have_the_detour_and_end_on_the_track(x, y, h, factor, detour, last, pair):
-    problem = CaptureProblem(Pose(x, y, h), 100.0, factor, last)
+    problem = InterceptProblem(Pose(x, y, h), 100.0, factor, last)
     grid = np.linspace(-3.0, 3.0, 9)
     turn_1, turn_2 = (axis.ravel() for axis in np.meshgrid(grid, grid))
     for side in (1, -1):
@@ -52,7 +52,7 @@ def test_points_of_a_batch_are_those_of_its_paths(heading, turns, straight):
 
 
 def test_reach_leaves_out_what_cannot_get_there():
-    problem = CaptureProblem(Pose(0.0, -300.0, 0.0), 100.0)
+    problem = InterceptProblem(Pose(0.0, -300.0, 0.0), 100.0)
     left = problem.reach(problem.arcs(np.array([0.5]), np.array([0.0]), -1))
     right = problem.reach(problem.arcs(np.array([-0.5]), np.array([0.0]), 1))
     assert len(left) == 1

@@ -90,8 +90,8 @@ def test_the_distance_looked_at_in_steps_is_hardly_above_the_closest_approach(la
     st.floats(0.6, 1.1),
     st.sampled_from(["curves", "weaves"]),
 )
-def test_every_paths_least_distance_is_what_a_fine_look_finds(lag, lead, made_good, kind):
-    rules = DeadbeatRules(P, made_good=made_good)
+def test_every_paths_least_distance_is_what_a_fine_look_finds(lag, lead, path_efficiency, kind):
+    rules = DeadbeatRules(P, path_efficiency=path_efficiency)
     problem = rules.problem(lag)
     batch = (
         rules.curves(problem, lead).batch
@@ -100,7 +100,7 @@ def test_every_paths_least_distance_is_what_a_fine_look_finds(lag, lead, made_go
     )
     batch = batch.take(range(0, len(batch), max(1, len(batch) // 5)))
     forecast = corner_forecast(P).in_frame(slot_frame(P))
-    speed = P.speed_mps * made_good
+    speed = P.speed_mps * path_efficiency
     found = least_distances_m(batch, forecast, start_s=0.0, speeds_mps=speed, lead_mps=P.speed_mps)
     for i, distance in enumerate(found):
         path, first = batch.path(i), float(batch.rows[i, 0])

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sar_estimator.common.pose import Pose
-from sar_planner.paths.slot_intercept import CaptureProblem, PathBatch, turn_to
+from sar_planner.paths.slot_intercept import InterceptProblem, PathBatch, turn_to
 from sar_planner.prediction.forecast import cornering, cruising, departing
 from sar_planner.prediction.separation import closest_over_time
 from sar_planner.rejoin.rejoin import RejoinTask, _Found, _Search, rejoin
@@ -95,7 +95,7 @@ def test_the_soonest_capture_is_that_of_all_of_its_kind(start, name):
     h1, h2 = (g.ravel() for g in np.meshgrid(grid, grid, indexing="ij"))
     compared = 0
     for speed, last, sides in list(search.families())[::7]:
-        problem = CaptureProblem(start, 100.0, 20.0 / speed, last)
+        problem = InterceptProblem(start, 100.0, 20.0 / speed, last)
         turn_1 = turn_to(np.full_like(h1, start.heading_rad), h1, sides[0])
         batch = problem.solve(
             problem.arcs(turn_1, turn_to(h1, h2, sides[1]), sides[2]), search.task.ahead_m

@@ -26,7 +26,7 @@ def test_no_faster_than_the_envelope_allows_on_any_course() -> None:
 
 @pytest.mark.parametrize("lead_m", [80.0, 93.0, 103.0])
 def test_a_faster_weave_sees_more(lead_m: float) -> None:
-    unseen = []
+    uncovered = []
     for speed_ups in ((1.0,), (1.1, 1.0)):
         planned = sped_up_plan(
             CORNER,
@@ -34,23 +34,28 @@ def test_a_faster_weave_sees_more(lead_m: float) -> None:
             lead_m=lead_m,
             separations_m=(215.0, 200.0),
             speed_ups=speed_ups,
-            made_good=1.0,
+            path_efficiency=1.0,
         )
         assert planned is not None
         plan, speed_up = planned
         assert plan.rule is Rule.D4
         assert speed_up == speed_ups[0]
         assert abs(plan.next_lag_m) <= CONVERGED_M
-        rules = DeadbeatRules(CORNER, made_good=speed_up)
+        rules = DeadbeatRules(CORNER, path_efficiency=speed_up)
         weave = rules._best_weave(rules.problem(0.0), lead_m, 215.0)
         assert weave is not None
-        unseen.append(float(rules.unseen_m2(weave)[0]))
-    assert unseen[1] < 0.9 * unseen[0]
+        uncovered.append(float(rules.uncovered_m2(weave)[0]))
+    assert uncovered[1] < 0.9 * uncovered[0]
 
 
 def test_the_slower_speed_is_taken_where_the_faster_has_no_path() -> None:
     planned = sped_up_plan(
-        CORNER, 900.0, lead_m=93.0, separations_m=(200.0,), speed_ups=(1.1, 1.0), made_good=1.0
+        CORNER,
+        900.0,
+        lead_m=93.0,
+        separations_m=(200.0,),
+        speed_ups=(1.1, 1.0),
+        path_efficiency=1.0,
     )
     assert planned is not None
     plan, speed_up = planned

@@ -15,7 +15,7 @@ from sar_planner.rejoin.recapture import row_of
 from sar_planner.rules.deadbeat_automaton import DeadbeatAutomaton, check_deadbeat
 from sar_planner.rules.deadbeat_rules import DeadbeatRules, least_lag_m
 from sar_planner.rules.paper_rules import NoPathError, Rule
-from sar_sim.report.coverage import ideal_tracks, swath
+from sar_sim.report.coverage import ideal_tracks
 
 P = CornerParameters()
 AUTOMATON = DeadbeatAutomaton(P)
@@ -54,9 +54,9 @@ def test_corners_needed(every_metre):
 
 @settings(max_examples=80, deadline=None)
 @given(st.floats(-400.0, 1400.0), st.floats(0.0, 140.0), st.floats(0.6, 1.0))
-def test_every_plan_is_what_it_says(lag, lead, made_good):
+def test_every_plan_is_what_it_says(lag, lead, path_efficiency):
     """It turns after the lead-in, ends on the new slot track, and leaves the lag it says."""
-    rules = DeadbeatRules(P, made_good=made_good)
+    rules = DeadbeatRules(P, path_efficiency=path_efficiency)
     try:
         plan = rules.plan(lag, lead_m=lead, separation_m=200.0)
     except NoPathError:
@@ -67,10 +67,10 @@ def test_every_plan_is_what_it_says(lag, lead, made_good):
     assert path.end.x_m == pytest.approx(-250.0, abs=1e-6)
     assert math.cos(path.end.heading_rad + math.pi / 2) == pytest.approx(1.0)
     slow = path.length_m - plan.turn_start_m
-    flown_s = (plan.turn_start_m + slow / made_good) / 20.0
+    flown_s = (plan.turn_start_m + slow / path_efficiency) / 20.0
     slot_m = 20.0 * flown_s - 3.0 * P.stopping_m
     assert plan.next_lag_m == pytest.approx(slot_m + path.end.y_m, abs=1e-6)
-    if made_good == 1.0:
+    if path_efficiency == 1.0:
         assert closest_approach(path, P).distance_m >= 200.0
 
 
@@ -151,7 +151,7 @@ def test_no_path_and_no_number():
 
 
 def test_a_weave_sees_what_a_late_curve_leaves_out():
-    """A curve that joins the new slot track far down it leaves the strip before unseen."""
+    """A curve that joins the new slot track far down it leaves the swath before uncovered."""
     rules = DeadbeatRules(CornerParameters())
     problem = rules.problem(0.0)
     curves = rules.exact(problem, 110.0, (STRAIGHT_Y, STRAIGHT_Q))
@@ -161,14 +161,14 @@ def test_a_weave_sees_what_a_late_curve_leaves_out():
     assert weave.rule is Rule.D4
     headings = np.radians([[160.0, 23.0, 46.0]])
     woven = rules.weaves(problem, 110.0, headings)
-    assert rules.unseen_m2(woven).min() < 0.3 * rules.unseen_m2(late).min()
+    assert rules.uncovered_m2(woven).min() < 0.3 * rules.uncovered_m2(late).min()
 
 
 @pytest.mark.parametrize(
     ("lead", "separation", "most_m2"), [(110, 200, 9e3), (110, 230, 27e3), (90, 230, 9e3)]
 )
 def test_what_a_corner_leaves_unseen(lead, separation, most_m2):
-    """Against an area by shapely, of both aircraft and the ideal strips."""
+    """Against an area by shapely, of both aircraft and the ideal swaths."""
     plan = DeadbeatRules(P).plan(0.0, lead_m=float(lead), separation_m=float(separation))
     reach = 2500.0
     helicopter = np.array([(-reach, 0.0), (0.0, 0.0), (0.0, -reach)])
@@ -176,16 +176,16 @@ def test_what_a_corner_leaves_unseen(lead, separation, most_m2):
     path = plan.path.sample(5.0)
     flown = np.vstack(((-reach, -250.0), path, (-250.0, -reach)))
     seen = swath(flown, 125.0).union(swath(helicopter, 125.0))
-    unseen = swath(strip, 125.0).difference(seen).area
-    assert 0.0 < unseen < most_m2
+    uncovered = swath(strip, 125.0).difference(seen).area
+    assert 0.0 < uncovered < most_m2
     rules = DeadbeatRules(P)
     row = row_of(rules._frame.path_from_map(plan.path))
     batch = PathBatch(rules.problem(0.0).start, P.turn_radius_m, row[None, :])
-    assert rules.unseen_m2(batch)[0] == pytest.approx(unseen, rel=0.15, abs=1500.0)
+    assert rules.uncovered_m2(batch)[0] == pytest.approx(uncovered, rel=0.15, abs=1500.0)
 
 
 def test_a_uav_that_makes_little_good_needs_a_lag_to_take_out():
-    sloppy = DeadbeatRules(P, made_good=0.7)
+    sloppy = DeadbeatRules(P, path_efficiency=0.7)
     least = least_lag_m(sloppy, lead_m=100.0, separation_m=200.0)
     assert 100.0 < least < 300.0
     assert abs(sloppy.plan(least, lead_m=100.0, separation_m=200.0).next_lag_m) <= 0.5

@@ -36,8 +36,8 @@ def now(topic, values):
     [
         (
             topics.UAV_STATE,
-            {"mode": "AUTO", "armed": True, "connected": True},
-            UavStatus("AUTO", armed=True, connected=True),
+            {"mode": "AUTO", "armed": True, "connected": True, "led": True},
+            UavStatus("AUTO", armed=True, connected=True, tracking_list=True),
         ),
         (topics.AUTOPILOT, {"WP_RADIUS": 50.0}, {"WP_RADIUS": 50.0}),
         (topics.UPLOADED, {"list_id": 130200000000, "waypoints": 3}, Uploaded(130200000000, 3)),

@@ -19,11 +19,11 @@ def test_seed_is_everyones_and_lag_is_drawn():
 
 
 def mission(seed, lags_m, separation_m, separation_s, alerts):
-    foretold = (0.0,) * len(lags_m)
+    predicted = (0.0,) * len(lags_m)
     return Mission(
         seed,
         lags_m,
-        foretold,
+        predicted,
         ("D2",),
         separation_m,
         separation_s,

@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 
 from sar_sim.jobs.pool import Workers, in_parallel
-from sar_sim.jobs.result_cache import Kept
+from sar_sim.jobs.result_cache import ResultCache
 from sar_sim.trials.encounters import Encounter, fly_encounter
 from sar_sim.trials.rejoin_trials_cli import main as rejoin_trials
 
@@ -44,7 +44,7 @@ def all_of(file, seeds, log, part="x", scheduler=""):
     do = partial(work, log=log)
     # Work of a test module is not to be had in new interpreters: threads do it, or Dask's pickles.
     with Workers(2, scheduler) if scheduler else ThreadPoolExecutor(2) as workers:
-        kept = Kept(file, {"work": "a"})
+        kept = ResultCache(file, {"work": "a"})
         return in_parallel(do, seeds, workers, kind=Result, kept=kept, part=part)
 
 
@@ -61,7 +61,7 @@ def test_what_is_kept_is_not_done_again_and_comes_back_equal(tmp_path):
 
 def test_cut_off_at_any_byte_of_the_last_line_it_goes_on(tmp_path):
     file = tmp_path / "kept.jsonl"
-    kept = Kept(file, {"work": "a"})
+    kept = ResultCache(file, {"work": "a"})
     results = [work(seed, tmp_path / "log") for seed in range(2)]
     for result in results:
         kept.add("", result.seed, result)
@@ -69,7 +69,7 @@ def test_cut_off_at_any_byte_of_the_last_line_it_goes_on(tmp_path):
     last = whole.rstrip(b"\n").rfind(b"\n") + 1
     for end in range(last, len(whole)):
         file.write_bytes(whole[:end])
-        kept = Kept(file, {"work": "a"})
+        kept = ResultCache(file, {"work": "a"})
         assert kept.get("", 0, Result) == results[0]
         assert kept.get("", 1, Result) is None
         kept.add("", 1, results[1])
@@ -78,15 +78,15 @@ def test_cut_off_at_any_byte_of_the_last_line_it_goes_on(tmp_path):
 
 def test_results_of_something_else_are_refused(tmp_path):
     file = tmp_path / "kept.jsonl"
-    Kept(file, {"work": "a", "rules": "paper"})
+    ResultCache(file, {"work": "a", "rules": "paper"})
     with pytest.raises(ValueError, match=r"kept\.jsonl: of another rules"):
-        Kept(file, {"work": "a", "rules": "deadbeat"})
+        ResultCache(file, {"work": "a", "rules": "deadbeat"})
     file.write_text(file.read_text().replace('"build": "', '"build": "0'))
     with pytest.raises(ValueError, match="of another build"):
-        Kept(file, {"work": "a", "rules": "paper"})
+        ResultCache(file, {"work": "a", "rules": "paper"})
     file.write_text("seed;lag\n")
     with pytest.raises(ValueError, match="expected a file of kept results"):
-        Kept(file, {"work": "a"})
+        ResultCache(file, {"work": "a"})
 
 
 def test_a_command_says_so_in_one_line(tmp_path, capsys):
@@ -99,7 +99,7 @@ def test_a_command_says_so_in_one_line(tmp_path, capsys):
 
 
 def test_nothing_is_kept_without_a_file():
-    kept = Kept(None, {})
+    kept = ResultCache(None, {})
     kept.add("", 1, work(1, log=Path(os.devnull)))
     assert kept.get("", 1, Result) is None
 
@@ -138,7 +138,7 @@ def on_cluster(url, file, seeds):
     """Fly on the cluster, as soon as its scheduler is there."""
     while True:
         with suppress(ValueError), Workers(None, url) as workers:
-            kept = Kept(file, {"work": "a"})
+            kept = ResultCache(file, {"work": "a"})
             return in_parallel(fly_encounter, seeds, workers, kind=Encounter, kept=kept)
 
 

@@ -134,17 +134,17 @@ def test_a_rolled_corner_is_turned_at_its_bank_and_costs_what_the_geometry_says(
 
 
 def test_odd_actions_are_flown_by_humans_too():
-    other = flown(odd_corner=2, odd_action="other_way")
+    other = flown(anomaly_corner=2, anomaly="other_way")
     plain = flown()
     turned = [
         h.heading_rad(h.corners[1].stop_time_s + 25.0) - h.corners[1].onset.heading_rad
         for h in (other, plain)
     ]
     assert turned[0] * turned[1] < 0.0
-    gone = flown(odd_corner=2, odd_action="break_off")
+    gone = flown(anomaly_corner=2, anomaly="break_off")
     assert len(gone.corners) == 2
     assert gone.motion(gone.end_s - 5.0).speed_mps > 1.4 * V
-    slowed = flown(odd_corner=2, odd_action="go_on", wander_along_mps=0.0)
+    slowed = flown(anomaly_corner=2, anomaly="go_on", wander_along_mps=0.0)
     begin, end = slowed.corners[0].stop_time_s + 25.0, slowed.corners[1].onset_time_s
     least = min(slowed.motion(t).speed_mps for t in np.arange(begin, end, 0.5))
     assert least == pytest.approx(V / 3.0, abs=1.5)

@@ -1,16 +1,16 @@
 """Lists that replace one another in flight without the autopilot ever showing half of one.
 
 ArduPilot writes an uploaded item at once into the mission it is flying. The mission is therefore
-kept in *banks*: one is flown, a new list is written into one that nothing leads to (a partial
+kept in *slots*: one is flown, a new list is written into one that nothing leads to (a partial
 upload), and the UAV is then led over to it. Where the new list goes on from the waypoint being
 flown to, a single jump behind that one does it, and the leg being flown stays as it is.
 
 Elsewhere an item has to be made current. ArduPlane begins that leg at the old target, or where the
 UAV is, and on the leg behind it only heads for the end instead of tracking the line: among the
-close waypoints of a turn that swings the UAV tens of metres aside. So what is made current is a
-*run-in*: two waypoints so easily accepted that both are reached at once, wherever the UAV is, and a
-jump. The second stands where the leg of the list begins that the UAV is abeam of: that leg is
-tracked from there, like any other.
+close waypoints of a turn that swings the UAV tens of metres aside. So what is made current are
+*capture waypoints*: two waypoints so easily accepted that both are reached at once, wherever the
+UAV is, and a jump. The second stands where the leg of the list begins that the UAV is abeam of:
+that leg is tracked from there, like any other.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ from sar_bridge.mission.transition_check import WORTH_M, Track
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.states import Motion
 
-BANKS = 3
-BANK_ITEMS = 64
+SLOTS = 3
+SLOT_ITEMS = 64
 BANK_STEP_ITEMS = 16
-MOST_BANK_ITEMS = 224  # what every board that flies ArduPlane holds: some 700 items
+MOST_SLOT_ITEMS = 224  # what every board that flies ArduPlane holds: some 700 items
 NEAR_M = 25.0
 GAP_M = 10.0
 AHEAD_M = 10.0
@@ -44,7 +44,7 @@ FARTHEST_M = 120.0
 ASIDE_M = 40.0
 SHARPEST = math.cos(math.radians(75.0))
 FOREVER = -1.0
-RUN_IN_ITEMS = 3
+CAPTURE_ITEMS = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +56,8 @@ class Write:
 
 
 @dataclass(frozen=True, slots=True)
-class RunIn(Write):
-    """A run-in to put at ``start``, then to be made current: the leg being flown is given up."""
+class CaptureWaypoints(Write):
+    """To be put at ``start``, then made current: the leg being flown is given up."""
 
 
 def jump_to(seq: int) -> MissionItem:
@@ -84,47 +84,47 @@ class _Lead:
 NOWHERE: tuple[int, FloatArray] = (0, np.zeros(2))
 
 
-class MissionBanks:
+class MissionSlots:
     """What the autopilot's mission holds, and where the next list goes. Item 0 is home."""
 
     def __init__(self, *, altitude_m: float) -> None:
         """Nothing is held yet."""
         self._altitude_m = altitude_m
-        self._points: list[FloatArray] = [np.empty((0, 2))] * BANKS
-        self._altitudes_m = [altitude_m] * BANKS
-        self._size = BANK_ITEMS
+        self._points: list[FloatArray] = [np.empty((0, 2))] * SLOTS
+        self._altitudes_m = [altitude_m] * SLOTS
+        self._size = SLOT_ITEMS
         self._led_to: int | None = None
         self._filled = 0
         self._jump_at: int | None = None
         self._entered = NOWHERE
 
-    def _begin(self, bank: int) -> int:
-        return 1 + bank * self._size
+    def _begin(self, slot: int) -> int:
+        return 1 + slot * self._size
 
-    def bank_of(self, seq: int) -> int:
-        """Return the bank that an item is in."""
+    def slot_of(self, seq: int) -> int:
+        """Return the slot that an item is in."""
         return (max(seq, 1) - 1) // self._size
 
     def takes(self, points: FloatArray) -> bool:
-        """Whether a list goes into a bank of what is held; else it takes a whole mission."""
+        """Whether a list goes into a slot of what is held; else it takes a whole mission."""
         return self._led_to is not None and _needed(points) <= self._size
 
     def whole(self, points: FloatArray, datum: Datum, *, climb_m: float = 0.0) -> list[MissionItem]:
-        """Return a whole mission with a list, shape (n, 2) [m], in its first bank.
+        """Return a whole mission with a list, shape (n, 2) [m], in its first slot.
 
-        The banks are as large as it needs; one longer than any bank is a mission of its own.
+        The slots are as large as it needs; one longer than any slot is a mission of its own.
         """
         altitude = self._altitude_m + climb_m
         items = waypoint_items(points, datum, altitude)
-        self._points = [np.empty((0, 2))] * BANKS
+        self._points = [np.empty((0, 2))] * SLOTS
         self._points[0], self._altitudes_m[0] = points, altitude
         self._filled, self._jump_at, self._entered = 0, None, NOWHERE
         steps = -(-_needed(points) // BANK_STEP_ITEMS)
-        self._size = max(BANK_ITEMS, steps * BANK_STEP_ITEMS)
-        self._led_to = 0 if self._size <= MOST_BANK_ITEMS else None
+        self._size = max(SLOT_ITEMS, steps * BANK_STEP_ITEMS)
+        self._led_to = 0 if self._size <= MOST_SLOT_ITEMS else None
         if self._led_to is None:
             return items
-        spare = 1 + BANKS * self._size - len(items)
+        spare = 1 + SLOTS * self._size - len(items)
         return [*items, *([items[-1]] * spare)]
 
     def forget(self) -> None:
@@ -134,12 +134,12 @@ class MissionBanks:
     def fill(
         self, points: FloatArray, datum: Datum, current: int, *, climb_m: float = 0.0
     ) -> Write:
-        """Return what writes a list into a bank that neither is flown nor led to."""
-        taken = {self.bank_of(current), self._led_to}
-        self._filled = next(bank for bank in range(BANKS) if bank not in taken)
+        """Return what writes a list into a slot that neither is flown nor led to."""
+        taken = {self.slot_of(current), self._led_to}
+        self._filled = next(slot for slot in range(SLOTS) if slot not in taken)
         altitude = self._altitude_m + climb_m
         self._points[self._filled], self._altitudes_m[self._filled] = points, altitude
-        if self.bank_of(self._entered[0]) == self._filled:
+        if self.slot_of(self._entered[0]) == self._filled:
             self._entered = NOWHERE
         items = waypoint_items(points, datum, altitude)
         return Write(self._begin(self._filled), tuple(items[1:]))
@@ -148,11 +148,11 @@ class MissionBanks:
         """Return the waypoint an item stands for; None for a loiter, a jump and what is unknown."""
         if seq < 1 or (self._jump_at is not None and seq == self._jump_at):
             return None
-        bank = self.bank_of(seq)
-        at = seq - self._begin(bank)
-        if bank >= BANKS or at >= len(self._points[bank]):
+        slot = self.slot_of(seq)
+        at = seq - self._begin(slot)
+        if slot >= SLOTS or at >= len(self._points[slot]):
             return None
-        return self._points[bank][at]
+        return self._points[slot][at]
 
     def join(
         self,
@@ -178,20 +178,20 @@ class MissionBanks:
             if track.apart_m(legs, lead.begin) > WORTH_M:
                 lead = None
         if lead is None:
-            return self._run_in(self._filled, entry, uav, datum)
+            return self._capture(self._filled, entry, uav, datum)
         self._led_to, self._jump_at = self._filled, lead.kept + 1
         self._entered = (begin + lead.joined, lead.through[-1])
         return Write(lead.kept + 1, (jump_to(begin + lead.joined),))
 
-    def _run_in(self, bank: int, entry: Entry, uav: Motion, datum: Datum) -> RunIn:
+    def _capture(self, slot: int, entry: Entry, uav: Motion, datum: Datum) -> CaptureWaypoints:
         """Return what leads over to a list, given up the leg being flown."""
-        self._led_to, self._jump_at = bank, None
-        seq = self._begin(bank) + entry.at
+        self._led_to, self._jump_at = slot, None
+        seq = self._begin(slot) + entry.at
         self._entered = (seq, np.array(entry.begin))
-        start = self._begin(bank + 1) - RUN_IN_ITEMS
+        start = self._begin(slot + 1) - CAPTURE_ITEMS
         places = np.array(((uav.x_m, uav.y_m), entry.begin))
-        altitude = self._altitudes_m[bank]
-        return RunIn(start, (*reached_at_once(places, datum, altitude), jump_to(seq)))
+        altitude = self._altitudes_m[slot]
+        return CaptureWaypoints(start, (*reached_at_once(places, datum, altitude), jump_to(seq)))
 
     def _lead(self, current: int, uav: Motion, within_s: float) -> _Lead | None:
         """Return how a jump leads over to the list written last; None where it cannot."""
@@ -200,8 +200,8 @@ class MissionBanks:
         through: list[FloatArray] = []
         for kept in (current, current + 1):
             target = self._point(kept)
-            same_bank = self.bank_of(kept + 1) == self.bank_of(current)
-            if target is None or not same_bank:
+            same_slot = self.slot_of(kept + 1) == self.slot_of(current)
+            if target is None or not same_slot:
                 return None
             through.append(target)
             if math.hypot(*(target - here)) < within_s * uav.speed_mps:
@@ -230,20 +230,22 @@ class MissionBanks:
         beside: FloatArray = float((here - end) @ across) * across
         return beside
 
-    def missed(self, current: int, uav: Motion, datum: Datum, *, within_s: float) -> RunIn | None:
+    def missed(
+        self, current: int, uav: Motion, datum: Datum, *, within_s: float
+    ) -> CaptureWaypoints | None:
         """Return what leads over after all where the UAV was past the jump before it was there."""
         at = self._jump_at
         if at is None or self._led_to is None or not at <= current:
             return None
-        if self.bank_of(current) != self.bank_of(at):
+        if self.slot_of(current) != self.slot_of(at):
             return None
         entry = entry_of(self._points[self._led_to], uav.after(within_s))
-        return self._run_in(self._led_to, entry, uav, datum)
+        return self._capture(self._led_to, entry, uav, datum)
 
 
 def _needed(points: FloatArray) -> int:
-    """Return how many items a list takes in its bank, with its loiter and a run-in."""
-    return len(points) + 1 + RUN_IN_ITEMS
+    """Return how many items a list takes in its slot, with its loiter and capture waypoints."""
+    return len(points) + 1 + CAPTURE_ITEMS
 
 
 def _place(point: FloatArray) -> tuple[float, float]:

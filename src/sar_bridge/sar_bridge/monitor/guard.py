@@ -20,7 +20,7 @@ RECHOOSE_S = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What is foretold of the list that is flown, at a time.
+    """What is predicted of the list that is flown, at a time.
 
     ``nearest``: the closest approach to what is likely. ``soon``: to anything possible, the doubt
     against it; ``later``: to what is likely, the doubt in its favour. ``near``: all distances.

@@ -27,7 +27,7 @@ class SeparationMonitor:
     ``nearest``: the closest approach of the list being flown, in prediction. ``reason``: why the
     newest list was refused, or the UAV was sent away. ``refused_id``: of the newest list where it
     did not pass, else 0. ``escape``: the way out being flown. ``thresholds``: the distances [m] of
-    ``parameters``. ``outlook``: what is known and foretold of both aircraft.
+    ``parameters``. ``outlook``: what is known and predicted of both aircraft.
     """
 
     def __init__(self, parameters: MonitorParameters, model: HelicopterModel) -> None:

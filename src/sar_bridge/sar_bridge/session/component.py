@@ -49,10 +49,10 @@ class BridgeComponent(Component):
         self._datum: Datum | None = None
         self._started_s = 0.0
         self._early_list: WaypointList | None = None
-        self._told_state: UavStatus | None = None
-        self._told_boot_s = 0.0
-        self._told_upload: object = None
-        self._told_autopilot: dict[str, float] = {}
+        self._sent_state: UavStatus | None = None
+        self._sent_boot_s = 0.0
+        self._sent_upload: object = None
+        self._sent_autopilot: dict[str, float] = {}
         self.inputs = {
             topics.CLEARED: self._on_list,
             topics.SPEED: self._on_speed,
@@ -122,12 +122,12 @@ class BridgeComponent(Component):
                 telemetry.climb_mps,
             )
             out.append((topics.UAV_ODOMETRY, report))
-        if session.state.boot_s != self._told_boot_s:
-            self._told_boot_s = session.state.boot_s
-            out.append((topics.UAV_CLOCK, self._told_boot_s))
+        if session.state.boot_s != self._sent_boot_s:
+            self._sent_boot_s = session.state.boot_s
+            out.append((topics.UAV_CLOCK, self._sent_boot_s))
         accepted = session.accepted
-        if accepted is not self._told_upload and accepted is not None:
-            self._told_upload = accepted
+        if accepted is not self._sent_upload and accepted is not None:
+            self._sent_upload = accepted
             upload_ms = round(1e3 * accepted.duration_s, 1)
             out.append((topics.UPLOADED, Uploaded(accepted.list_id, accepted.items, upload_ms)))
         return out
@@ -139,8 +139,8 @@ class BridgeComponent(Component):
         self.session.silent = self._liveness.silent(now_s)
         out = _sent(self.session.tick(now_s))
         status = self.session.status(now_s)
-        if status != self._told_state:
-            self._told_state = status
+        if status != self._sent_state:
+            self._sent_state = status
             out.append((topics.UAV_STATE, status))
         return out
 
@@ -149,9 +149,9 @@ class BridgeComponent(Component):
     def report(self, now_s: float) -> Outputs:  # noqa: ARG002
         """Tell the autopilot's parameters when they are others, and the wind."""
         session, out = self.session, Outputs()
-        parameters = dict(session.parameters) if session.parameters_told else {}
-        if parameters and parameters != self._told_autopilot:
-            self._told_autopilot = parameters
+        parameters = dict(session.parameters) if session.parameters_complete else {}
+        if parameters and parameters != self._sent_autopilot:
+            self._sent_autopilot = parameters
             out.append((topics.AUTOPILOT, parameters))
         if session.state.wind.vector_mps is not None:
             out.append((topics.WIND, session.state.wind.vector_mps))

@@ -15,12 +15,12 @@ from sar_bridge.mavlink.autopilot_state import AutopilotState
 from sar_bridge.mavlink.commands import Command, CommandQueue
 from sar_bridge.mavlink.mission_items import FloatArray, first_ahead, waypoint_items
 from sar_bridge.mavlink.mission_upload import MissionUpload, UploadState
-from sar_bridge.mission.mission_slots import RUN_IN_ITEMS, MissionBanks, RunIn, Write
+from sar_bridge.mission.mission_slots import CAPTURE_ITEMS, CaptureWaypoints, MissionSlots, Write
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.states import Motion
 
 RETRY_LIST_S = 1.0
-TAKEN_UP_S = 0.3  # by the autopilot, two waypoints of a run-in included
+TAKEN_UP_S = 0.3  # by the autopilot, two capture waypoints included
 OTHER_TRIPS = 3  # beside the items' own: request, acknowledgement, what is made current
 LATEST_S = 3.0
 
@@ -66,7 +66,7 @@ class ListTransfer:
         """Fly lists at ``altitude_m`` above home; ``state``: what the autopilot says of itself."""
         self._state = state
         self._altitude_m = altitude_m
-        self._banks = MissionBanks(altitude_m=altitude_m)
+        self._slots = MissionSlots(altitude_m=altitude_m)
         self._link: tuple[MissionUpload, CommandQueue] | None = None
         self.wanted: Wanted | None = None
         self.accepted: Accepted | None = None
@@ -101,13 +101,13 @@ class ListTransfer:
         """Want no list any more, and break off what is under way for it."""
         self.wanted = None
         self._later, self._joining = False, None
-        self._banks.forget()
+        self._slots.forget()
         if self.upload is not None:
             self.upload.cancel()
 
     def forget_mission(self) -> None:
         """Count on nothing that the autopilot held: it was restarted."""
-        self._banks.forget()
+        self._slots.forget()
 
     def start(self, now_s: float) -> Messages:
         """Upload the newest list: into a bank of the mission being flown, or as a whole mission."""
@@ -119,7 +119,7 @@ class ListTransfer:
             self._later = True
             return []
         if upload.state is UploadState.FAILED:
-            self._banks.forget()
+            self._slots.forget()
         self._later, self._joining = False, None
         self._sent = Sent(wanted.points, now_s, self.ros_s)
         if not self._state.ardupilot:
@@ -127,11 +127,11 @@ class ListTransfer:
             items = waypoint_items(wanted.points, wanted.datum, altitude_m)[1:]
             return upload.start(items, wanted.list_id, now_s)
         given = {"climb_m": wanted.climb_m}
-        if self._state.mode == "AUTO" and self._banks.takes(wanted.points):
+        if self._state.mode == "AUTO" and self._slots.takes(wanted.points):
             current = self._state.current_item
-            write = self._banks.fill(wanted.points, wanted.datum, current, **given)
+            write = self._slots.fill(wanted.points, wanted.datum, current, **given)
             return self._write(upload, wanted, write, now_s)
-        whole = self._banks.whole(wanted.points, wanted.datum, **given)
+        whole = self._slots.whole(wanted.points, wanted.datum, **given)
         return upload.start(whole, wanted.list_id, now_s)
 
     def handle(
@@ -177,7 +177,7 @@ class ListTransfer:
         if upload.partial and self._joining is None and motion is not None:
             trips = len(self._sent.points) + OTHER_TRIPS
             self._trip_s = max(self.ros_s - self._sent.ros_s, 0.0) / trips
-            self._joining = self._banks.join(
+            self._joining = self._slots.join(
                 self._state.current_item,
                 motion,
                 wanted.datum,
@@ -186,7 +186,7 @@ class ListTransfer:
             )
             return self._write(upload, wanted, self._joining, now_s), False
         out: Messages = []
-        if isinstance(self._joining, RunIn):
+        if isinstance(self._joining, CaptureWaypoints):
             out += _make_current(commands, self._joining.start, now_s)
         elif not upload.partial:
             ahead = first_ahead(self._sent.points, motion)
@@ -207,7 +207,7 @@ class ListTransfer:
         The link's pace is that of the list sent last, in the time that the UAV flies by: that of
         a simulation may run faster than this node's clock.
         """
-        trips_s = (RUN_IN_ITEMS + OTHER_TRIPS) * self._trip_s
+        trips_s = (CAPTURE_ITEMS + OTHER_TRIPS) * self._trip_s
         age_s = max(self.ros_s - motion.time_s, 0.0)
         return min(age_s + trips_s + TAKEN_UP_S, LATEST_S)
 
@@ -220,7 +220,7 @@ class ListTransfer:
         if wanted is None or telemetry is None or upload is None or upload.active:
             return []
         motion = telemetry.motion
-        self._joining = self._banks.missed(
+        self._joining = self._slots.missed(
             self._state.current_item, motion, wanted.datum, within_s=self._joined_in_s(motion)
         )
         if self._joining is None:

@@ -193,7 +193,7 @@ class AutopilotSession:
             self.state.mode,
             armed=self.state.armed,
             connected=self.connected(now_s),
-            led=self.leading,
+            tracking_list=self.leading,
             airspeed_ratio=round(self.state.wind.airspeed_ratio, 3),
         )
 
@@ -217,7 +217,7 @@ class AutopilotSession:
         return {} if self._reader is None else self._reader.values
 
     @property
-    def parameters_told(self) -> bool:
+    def parameters_complete(self) -> bool:
         """Whether all that will be known of the parameters is known."""
         return self._reader is not None and (self._reader.done or not self.state.ardupilot)
 

@@ -13,6 +13,7 @@ from std_srvs.srv import Trigger
 
 from sar_estimator.common import topics
 from sar_estimator.common.component import NOTICES, Answer, Component, Notice, Outputs
+from sar_estimator.common.frames import Frames
 from sar_estimator.common.node_support import (
     LATCHED,
     RELIABLE,
@@ -57,6 +58,7 @@ class ComponentNode(Node):
         self.lock = threading.RLock()
         self._component = make(self)
         self._newest_s = 0.0
+        self._frames = Frames(self)
         self._senders = {topic: publisher(self, topic) for topic in self._component.outputs}
         for topic in self._component.inputs:
             subscribe(self, topic, self._taker(topic))
@@ -125,7 +127,9 @@ class ComponentNode(Node):
 
     def send(self, topic: str, value: Any) -> None:
         """Publish a value."""
-        self._senders[topic].publish(WIRES[topic].to_message(value, now_s(self)))
+        message = WIRES[topic].to_message(value, now_s(self))
+        self._senders[topic].publish(message)
+        self._frames.broadcast(topic, message)
 
     def _log(self, notice: Notice) -> None:
         log = self.get_logger()

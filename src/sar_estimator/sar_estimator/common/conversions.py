@@ -130,7 +130,7 @@ def odometry_to_motion(message: Odometry) -> Motion:
     )
 
 
-def motion_as_told(motion: Motion, yaw_rad: float | None = None) -> Motion:
+def motion_as_published(motion: Motion, yaw_rad: float | None = None) -> Motion:
     """Return a motion as odometry carries it, to the last bit, without making a message.
 
     That is ``odometry_to_motion(motion_to_odometry(motion, yaw_rad=yaw_rad))``.
@@ -139,7 +139,7 @@ def motion_as_told(motion: Motion, yaw_rad: float | None = None) -> Motion:
     c, s = math.cos(yaw), math.sin(yaw)
     ahead = motion.vx_mps * c + motion.vy_mps * s
     aside = -motion.vx_mps * s + motion.vy_mps * c
-    yaw = _yaw_as_told(yaw)
+    yaw = _yaw_as_published(yaw)
     c, s = math.cos(yaw), math.sin(yaw)
     return Motion(
         stamped_s(motion.time_s),
@@ -150,19 +150,19 @@ def motion_as_told(motion: Motion, yaw_rad: float | None = None) -> Motion:
     )
 
 
-def _yaw_as_told(yaw_rad: float) -> float:
+def _yaw_as_published(yaw_rad: float) -> float:
     """Return a yaw [rad] as a quaternion carries it: ``to_yaw(to_quaternion(yaw_rad))``."""
     w, z = math.cos(yaw_rad / 2), math.sin(yaw_rad / 2)
     return math.atan2(2.0 * (w * z), 1.0 - 2.0 * (z * z))
 
 
-def leg_as_told(leg: LegEstimate) -> LegEstimate:
+def leg_as_published(leg: LegEstimate) -> LegEstimate:
     """Return a leg as odometry carries it: ``odometry_to_leg(leg_to_odometry)`` to the last bit."""
     heading = leg.foot.heading_rad
     c, s = math.cos(heading), math.sin(heading)
     return LegEstimate(
         stamped_s(leg.time_s),
-        Pose(leg.foot.x_m, leg.foot.y_m, _yaw_as_told(heading)),
+        Pose(leg.foot.x_m, leg.foot.y_m, _yaw_as_published(heading)),
         leg.speed_mps * c * c + leg.speed_mps * s * s,
         math.sqrt(leg.position_sigma_m**2),
         math.sqrt(leg.heading_sigma_rad**2),

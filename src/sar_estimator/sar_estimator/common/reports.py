@@ -47,14 +47,14 @@ class UavReport(NamedTuple):
 class UavStatus:
     """What the autopilot says of itself: flight mode, arming, and whether it is heard.
 
-    ``led``: whether the bridge has a list of ours flown. ``airspeed_ratio``: true airspeed over the
-    indicated one, which is what the autopilot is told.
+    ``tracking_list``: whether the bridge has a list of ours flown. ``airspeed_ratio``: true
+    airspeed over the indicated one, which is what the autopilot is asked for.
     """
 
     mode: str = ""
     armed: bool = False
     connected: bool = False
-    led: bool = False
+    tracking_list: bool = False
     airspeed_ratio: Annotated[float, Field(ge=0.5, le=2.0)] = 1.0
 
 

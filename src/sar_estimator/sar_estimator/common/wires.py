@@ -102,7 +102,7 @@ def _helicopter(message: Odometry) -> HelicopterReport:
 
 
 def _helicopter_carried(estimate: MotionEstimate) -> HelicopterReport:
-    return HelicopterReport(conversions.motion_as_told(estimate.motion), *estimate.sigmas)
+    return HelicopterReport(conversions.motion_as_published(estimate.motion), *estimate.sigmas)
 
 
 def _uav_message(report: UavReport, _time_s: float) -> Odometry:
@@ -122,7 +122,7 @@ def _uav(message: Odometry) -> UavReport:
 
 
 def _uav_carried(report: UavReport) -> UavReport:
-    motion = conversions.motion_as_told(report.motion, report.yaw_rad)
+    motion = conversions.motion_as_published(report.motion, report.yaw_rad)
     return UavReport(motion, report.yaw_rad, report.up_m)
 
 
@@ -246,7 +246,7 @@ WIRES: dict[str, Wire] = {
         RELIABLE,
         lambda leg, _: conversions.leg_to_odometry(leg),
         conversions.odometry_to_leg,
-        _newest(conversions.leg_as_told),
+        _newest(conversions.leg_as_published),
     ),
     topics.CORNER: Wire(
         "where it will stop, heading as it comes; stamped with the stop time",
@@ -284,7 +284,7 @@ WIRES: dict[str, Wire] = {
         _same,
     ),
     topics.UAV_STATE: Wire(
-        "mode, armed, connected, led, airspeed_ratio",
+        "mode, armed, connected, tracking_list, airspeed_ratio",
         DiagnosticStatus,
         LATCHED,
         _status_message,

@@ -95,7 +95,7 @@ class EstimatorComponent(Component):
         self.estimator = HelicopterEstimator(parameters, datum)
         self._velocity_sigma_mps = velocity_sigma_mps
         self._phase: Phase | None = None
-        self._datum_told = False
+        self._datum_published = False
         self.inputs = {topics.FIX: self._on_fix, topics.VELOCITY: self._on_velocity}
 
     def start(self, now_s: float) -> Outputs:  # noqa: ARG002
@@ -130,9 +130,9 @@ class EstimatorComponent(Component):
 
     def _datum_outputs(self) -> Outputs:
         datum = self.estimator.datum
-        if datum is None or self._datum_told:
+        if datum is None or self._datum_published:
             return []
-        self._datum_told = True
+        self._datum_published = True
         return [(topics.DATUM, datum)]
 
     def health(self, now_s: float) -> Health:

@@ -158,7 +158,7 @@ class HelicopterEstimator:
                 continue
             estimate = filters.agile(row.time_s)
             known = estimate.covariance[1, 1] + estimate.covariance[4, 4]
-            # As foretold, or as it was: a wrong one before makes the filter expect an acceleration.
+            # As predicted, or as it was: after a wrong one the filter expects an acceleration.
             error = min(
                 math.hypot(row.x - motion.vx_mps, row.y - motion.vy_mps)
                 for motion in (estimate.motion, filters.agile(filters.time_s).motion)

@@ -92,7 +92,7 @@ class LegTracker:
         self._first = first
 
 
-def told_of(
+def leg_estimate(
     time_s: float, means: FloatArray, covariance: FloatArray, heading_rad: float
 ) -> LegEstimate:
     """Return what is published of a leg: its line, p and the direction of v, and its speed."""

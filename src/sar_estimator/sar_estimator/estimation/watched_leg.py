@@ -15,7 +15,7 @@ from sar_estimator.estimation.corner_detector import (
     stop_posterior,
     watch,
 )
-from sar_estimator.estimation.leg import LegRow, LegTracker, told_of
+from sar_estimator.estimation.leg import LegRow, LegTracker, leg_estimate
 from sar_estimator.estimation.leg_process import TIME, LegProcess
 from sar_estimator.estimation.parameters import EstimatorParameters
 
@@ -105,7 +105,7 @@ class WatchedLeg:
         if math.hypot(means[0, 1], means[1, 1]) < self._p.min_cruise_mps:
             return None
         self.heading_rad = math.atan2(means[1, 1], means[0, 1])
-        return told_of(time_s, means, seen.covariance, self.heading_rad)
+        return leg_estimate(time_s, means, seen.covariance, self.heading_rad)
 
     def leg_before(self, onset_s: float) -> LegEstimate | None:
         """Return the leg as it was before a corner began, whose rows bend it; None without any."""
@@ -114,4 +114,4 @@ class WatchedLeg:
         if not len(rows):
             return None
         *_, means, spread = filtered(rows, *self._tracker.belief.start, self.heading_rad)
-        return told_of(float(rows[-1, TIME]), means, spread, self.heading_rad)
+        return leg_estimate(float(rows[-1, TIME]), means, spread, self.heading_rad)

@@ -1,4 +1,4 @@
-"""The planner's inner loops, compiled: how near paths come, and how much they leave unseen.
+"""The planner's inner loops, compiled: how near paths come, and how much they leave uncovered.
 
 A path is a table of its parts, shape (5, n): x, y, heading, curvature (0 for straights) where each
 begins, and the path distance there; the last part goes on for ever. A forecast is a table of its
@@ -196,7 +196,7 @@ def least_apart_of_each(
     "float64[::1](float64[:, ::1], float64[::1], float64[::1], float64[:, ::1], int64, float64,"
     " float64, float64)"
 )
-def unseen_cells(
+def uncovered_cells(
     rows: FloatArray,
     start: FloatArray,
     radius_m: FloatArray,
@@ -206,7 +206,7 @@ def unseen_cells(
     sight_m: float,
     edge_m: float,
 ) -> FloatArray:
-    """Return how many of the cells, shape (m, 2) [m], every path leaves unseen, shape (n,).
+    """Return how many of the cells, shape (m, 2) [m], every path leaves uncovered, shape (n,).
 
     The first ``old`` cells belong to the old track; of the others those beyond a path's end will be
     seen later. A cell counts by how far from ``sight_m``, over a width of ``edge_m``, it stays.
@@ -247,7 +247,7 @@ def turn_between(heading_rad: float, target_rad: float, side: int) -> float:
     "float64[::1](float64[::1], float64[::1], float64, float64, float64[::1], float64[::1],"
     " int64[::1], float64, float64[:, :, ::1], float64[:, ::1], float64, float64, float64, float64)"
 )
-def soonest_capture(
+def soonest_intercept(
     start: FloatArray,
     radius_m: FloatArray,
     slow_factor: float,
@@ -263,13 +263,13 @@ def soonest_capture(
     needed_m: float,
     before_s: float,
 ) -> FloatArray:
-    """Return the soonest capture that keeps ``needed_m``: its duration [s] and its row (7).
+    """Return the soonest intercept that keeps ``needed_m``: its duration [s] and its row (7).
 
     The duration is infinite where none is sooner than ``before_s``. Over a grid of the headings on
-    the two straights, which are solved for as by ``captures.CaptureProblem.solve``; ``sides``: of
-    the first three turns. ``forecasts``: tables, shape (f, 7, m); ``steady``: when each is steady
-    [s], and at what speed, shape (f, 2). In one piece: it is compiled, and its loops give a path up
-    as soon as it cannot be the soonest.
+    the two straights, which are solved for as by ``slot_intercept.InterceptProblem.solve``;
+    ``sides``: of the first three turns. ``forecasts``: tables, shape (f, 7, m); ``steady``: when
+    each is steady [s], and at what speed, shape (f, 2). In one piece: it is compiled, and its loops
+    give a path up as soon as it cannot be the soonest.
     """
     radius = radius_m[1]
     last_side = 0.0 if last_turn_rad == 0.0 else math.copysign(1.0, last_turn_rad)

@@ -149,7 +149,7 @@ def turn_to(heading_rad: FloatArray, target_rad: float | FloatArray, side: int) 
 
 @dataclass(frozen=True)
 class Arcs:
-    """What the arcs of n captures do, whatever their straights.
+    """What the arcs of n intercepts do, whatever their straights.
 
     ``turns_rad``: the first three; ``sines``, ``cosines``: of the headings on the straights, by
     column; ``lateral_m``, ``detour_m``: lateral way and detour of the arcs alone. Shapes (n,).
@@ -163,7 +163,7 @@ class Arcs:
 
 
 @dataclass(frozen=True)
-class CaptureProblem:
+class InterceptProblem:
     """From ``start``, in the slot's frame (track on y = 0, direction +x), onto the slot track.
 
     ``slow_factor``: kappa = V / speed of the UAV along its path. ``last_turn_rad``: the last arc, 0

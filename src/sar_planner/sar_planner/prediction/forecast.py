@@ -86,7 +86,7 @@ class Forecast:
         return self.leg.x_m + self.along_m(time_s)
 
     def faster_mps(self, helicopter: Motion | None) -> float:
-        """Return by how much the helicopter flies faster along the leg than foretold [m/s]."""
+        """Return by how much the helicopter flies faster along the leg than predicted [m/s]."""
         if helicopter is None:
             return 0.0
         off = helicopter.course_rad - self.leg.heading_rad

@@ -52,7 +52,7 @@ class HelicopterPredictor:
         """Return the motion to come, and others that must be kept apart from too; or nothing.
 
         On a leg it goes on, or stops at once. Slowing, it will turn by a right angle to the
-        pattern's side, as soon as the corner is foretold. Standing, it has departed as recently as
+        pattern's side, as soon as the corner is predicted. Standing, it has departed as recently as
         would not be seen yet, or stands on. Speeding up, it goes where it is going. Nothing where
         the leg is not known.
         """

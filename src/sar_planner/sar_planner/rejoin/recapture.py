@@ -19,12 +19,12 @@ from sar_planner.paths.slot_intercept import (
     STRAIGHT_P,
     STRAIGHT_Q,
     STRAIGHT_Y,
-    CaptureProblem,
+    InterceptProblem,
     PathBatch,
 )
 from sar_planner.prediction.forecast import Forecast
 from sar_planner.prediction.separation import least_of_all_m, sampling_slack_m
-from sar_planner.rules.corner_coverage import StripsAt
+from sar_planner.rules.corner_coverage import SweepAt
 
 PAIRS = ((STRAIGHT_Y, STRAIGHT_Q), (STRAIGHT_P, STRAIGHT_Y), (STRAIGHT_P, STRAIGHT_Q))
 GRID_RAD = np.radians(np.arange(-172.5, 181.0, 7.5))
@@ -74,8 +74,8 @@ class Recapture:
     """The search for a path from ``start`` at ``start_s`` that ends without lag.
 
     ``forecasts``: the first is what is expected, all are kept apart from. ``speed_mps``: what the
-    UAV makes good along its path. ``strips``: in a corner, of the cheapest paths the one
-    is taken that leaves the least of them unseen.
+    UAV makes good along its path. ``sweep``: in a corner, of the cheapest paths the one
+    is taken that leaves the least of them uncovered.
     """
 
     start: Pose
@@ -85,12 +85,12 @@ class Recapture:
     speed_mps: float
     separation_m: float
     longest_m: float
-    strips: StripsAt | None = None
+    sweep: SweepAt | None = None
 
     @property
-    def _problem(self) -> CaptureProblem:
+    def _problem(self) -> InterceptProblem:
         v = self.forecasts[0].speed_mps
-        return CaptureProblem(self.start, self.turn_radius_m, v / self.speed_mps)
+        return InterceptProblem(self.start, self.turn_radius_m, v / self.speed_mps)
 
     @property
     def _detour_m(self) -> float:
@@ -131,10 +131,10 @@ class Recapture:
 
     def _best_seeing(self, batch: PathBatch, kept: NDArray[np.intp]) -> int:
         """Return which of some paths to take; the first ones, ``kept``, are the cheapest."""
-        if self.strips is None or len(kept) == 1:
+        if self.sweep is None or len(kept) == 1:
             return int(kept[0])
         compared = kept[:COMPARED]
-        return int(compared[np.argmin(self.strips.unseen_m2(batch.take(compared)))])
+        return int(compared[np.argmin(self.sweep.uncovered_m2(batch.take(compared)))])
 
     def best(self, row: FloatArray | None, wanted_m: float, least_m: float) -> FlightPath | None:
         """Return the path to fly, the old one given as a row; None where none is safe.

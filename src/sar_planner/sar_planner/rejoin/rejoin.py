@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from sar_estimator.common.pose import Pose
 from sar_planner.paths.dubins import lengths_m, words
 from sar_planner.paths.flight_path import FlightPath, FloatArray
-from sar_planner.paths.kernels import soonest_capture
-from sar_planner.paths.slot_intercept import CaptureProblem, PathBatch, radii_m, turn_to
+from sar_planner.paths.kernels import soonest_intercept
+from sar_planner.paths.slot_intercept import InterceptProblem, PathBatch, radii_m, turn_to
 from sar_planner.prediction.forecast import Forecast, tables_of
 from sar_planner.prediction.separation import closest_over_time, least_of_all_m, sampling_slack_m
 from sar_planner.rejoin.hybrid_grid import soonest_on_grids
@@ -120,8 +120,8 @@ Sides = tuple[int, int, int]
 
 
 @dataclass(frozen=True)
-class _Capture:
-    """One capture: its duration [s], speed, the sides of its first three turns, and its row."""
+class _Intercept:
+    """One intercept: its duration [s], speed, the sides of its first three turns, and its row."""
 
     time_s: float
     speed_mps: float
@@ -226,7 +226,7 @@ class _Search:
         return None
 
     def families(self) -> Iterator[tuple[float, float, Sides]]:
-        """Yield every kind of capture: speed, last turn, and the sides of the other turns."""
+        """Yield every kind of intercept: speed, last turn, and the sides of the other turns."""
         for speed in (self.task.fastest_mps, self.task.slowest_mps):
             for last in LAST_TURNS_RAD:
                 for first, second, third in itertools.product(SIDES, repeat=3):
@@ -239,13 +239,13 @@ class _Search:
         sides: Sides,
         headings: tuple[FloatArray, FloatArray],
         before_s: float,
-    ) -> _Capture | None:
-        """Return the soonest capture that keeps the separation, over a grid of headings [rad].
+    ) -> _Intercept | None:
+        """Return the soonest intercept that keeps the separation, over a grid of headings [rad].
 
         None where none arrives before ``before_s``.
         """
         task = self.task
-        time_s, *row = soonest_capture(
+        time_s, *row = soonest_intercept(
             self._start,
             self._radii_m,
             task.forecast.speed_mps / speed_mps,
@@ -260,16 +260,18 @@ class _Search:
             self.needed_m,
             before_s,
         ).tolist()
-        return _Capture(time_s, speed_mps, sides, np.array(row)) if time_s < math.inf else None
+        return _Intercept(time_s, speed_mps, sides, np.array(row)) if time_s < math.inf else None
 
-    def _about(self, one: _Capture, spread_rad: float, count: int) -> tuple[FloatArray, FloatArray]:
-        """Return a grid about a capture's two headings."""
+    def _about(
+        self, one: _Intercept, spread_rad: float, count: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return a grid about an intercept's two headings."""
         heading_1 = self.task.start.heading_rad + one.row[1]
         steps = np.linspace(-spread_rad, spread_rad, count)
         return heading_1 + steps, heading_1 + one.row[3] + steps
 
-    def refine(self, one: _Capture) -> _Capture:
-        """Search ever finer about a capture's two headings for a sooner one."""
+    def refine(self, one: _Intercept) -> _Intercept:
+        """Search ever finer about an intercept's two headings for a sooner one."""
         spread = REFINED_RAD
         for _ in range(REFINEMENTS):
             about = self._about(one, spread, REFINED_GRID)
@@ -278,8 +280,8 @@ class _Search:
             spread *= 0.5
         return one
 
-    def polish(self, one: _Capture) -> _Capture:
-        """Search ever finer about a capture's last turn, speed and headings for a sooner one."""
+    def polish(self, one: _Intercept) -> _Intercept:
+        """Search ever finer about an intercept's last turn, speed and headings for a sooner one."""
         task = self.task
         d_turn = POLISHED_LAST_RAD
         d_speed = POLISHED_SPEED_SHARE * (task.fastest_mps - task.slowest_mps)
@@ -307,14 +309,14 @@ class _Search:
             before_s=task.start_s + before_s,
         )
 
-    def captures(self) -> _Found:
-        """Return all captures over the grid of headings, whatever separation they keep."""
+    def intercepts(self) -> _Found:
+        """Return all intercepts over the grid of headings, whatever separation they keep."""
         task = self.task
         h1, h2 = (g.ravel() for g in np.meshgrid(HEADINGS_RAD, HEADINGS_RAD, indexing="ij"))
         found = []
         for speed, last, (first, second, third) in self.families():
             factor = task.forecast.speed_mps / speed
-            problem = CaptureProblem(task.start, task.turn_radius_m, factor, last)
+            problem = InterceptProblem(task.start, task.turn_radius_m, factor, last)
             turn_1 = turn_to(np.full_like(h1, task.start.heading_rad), h1, first)
             turn_2 = turn_to(h1, h2, second)
             batch = problem.solve(problem.arcs(turn_1, turn_2, third), task.ahead_m)
@@ -415,7 +417,7 @@ def _one_search(task: RejoinTask) -> tuple[RejoinPlan | None, float, bool]:
         if index is not None:
             return search.plan(quick.rows[index], float(quick.speeds[index])), soonest, True
     index = search.first_kept(found)
-    best: _Capture | None = None
+    best: _Intercept | None = None
     word_s = math.inf
     if index is not None:
         word_s = float(found.durations_s(task.turn_radius_m)[index])
@@ -426,14 +428,14 @@ def _one_search(task: RejoinTask) -> tuple[RejoinPlan | None, float, bool]:
         first = search.soonest(*kind, headings, first_s)
         first_s = first_s if first is None else first.time_s
     if first_s == math.inf:
-        captured = search.captures()
+        found = search.intercepts()
         everything = _Found(
-            np.vstack((found.rows, captured.rows)), np.concatenate((found.speeds, captured.speeds))
+            np.vstack((found.rows, found.rows)), np.concatenate((found.speeds, found.speeds))
         )
         return _farthest(search, everything), soonest, False
     begun = [search.soonest(*kind, headings, REFINED_SHARE * first_s) for kind in kinds]
     refined = [search.refine(one) for one in begun if one is not None]
-    refined.sort(key=lambda capture: capture.time_s)
+    refined.sort(key=lambda intercept: intercept.time_s)
     for one in refined[:POLISHED]:
         polished = search.polish(one)
         if polished.time_s < (word_s if best is None else best.time_s):

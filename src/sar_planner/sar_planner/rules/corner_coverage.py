@@ -1,6 +1,6 @@
-"""How much of the UAV's two strips about a corner a path leaves unseen.
+"""How much of the UAV's two swaths about a corner a path leaves uncovered.
 
-In the frame of the new slot track (x along it, the slot tracks cross at (d, 0)): the old strip
+In the frame of the new slot track (x along it, the slot tracks cross at (d, 0)): the old swath
 comes up along x = d, the new one leads away along y = 0, each d wide. A disc of d / 2 about the UAV
 sees.
 """
@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from sar_planner.paths.flight_path import FloatArray
-from sar_planner.paths.kernels import unseen_cells
+from sar_planner.paths.kernels import uncovered_cells
 from sar_planner.paths.slot_intercept import PathBatch, radii_m
 
 CELL = 0.12
@@ -23,11 +23,11 @@ REACH = 2.5
 SAMPLE = 0.12
 
 
-class CornerStrips:
-    """Cells of both strips about a corner, for one track spacing d [m]."""
+class CornerSweep:
+    """Cells of both swaths about a corner, for one track spacing d [m]."""
 
     def __init__(self, spacing_m: float) -> None:
-        """Lay the cells out; the square in which the strips cross belongs to the old one."""
+        """Lay the cells out; the square in which the swaths cross belongs to the old one."""
         d = self._d = spacing_m
         steps = np.arange(0.5 * CELL, REACH, CELL)
         lanes = np.array(LANES)
@@ -38,13 +38,13 @@ class CornerStrips:
         self._old, self._new = d * old[~beyond], d * new
         self._cell_m2 = CELL * LANE * d**2
 
-    def unseen_m2(self, batch: PathBatch) -> FloatArray:
-        """Return the area [m^2] that every path leaves unseen, shape (n,), to about a cell's edge.
+    def uncovered_m2(self, batch: PathBatch) -> FloatArray:
+        """Return the area [m^2] that every path leaves uncovered, shape (n,), to about a cell.
 
         Before its start the old track was flown, after its end the new one will be.
         """
         old = self._old[self._old[:, 1] > batch.start.y_m]
-        cells = unseen_cells(
+        cells = uncovered_cells(
             batch.rows,
             batch.start_values,
             radii_m(batch.radius_m),
@@ -58,23 +58,23 @@ class CornerStrips:
 
 
 @lru_cache(maxsize=4)
-def strips_of(spacing_m: float) -> CornerStrips:
-    """Return the strips for a track spacing, laid out once."""
-    return CornerStrips(spacing_m)
+def sweep_of(spacing_m: float) -> CornerSweep:
+    """Return the swaths for a track spacing, laid out once."""
+    return CornerSweep(spacing_m)
 
 
 @dataclass(frozen=True, slots=True)
-class StripsAt:
-    """The strips about a corner in the frame of a slot whose track passes it at ``corner_x_m``."""
+class SweepAt:
+    """The swaths about a corner in the frame of a slot whose track passes it at ``corner_x_m``."""
 
     spacing_m: float
     corner_x_m: float
 
-    def unseen_m2(self, batch: PathBatch) -> FloatArray:
-        """Return the area [m^2] that every path leaves unseen, shape (n,).
+    def uncovered_m2(self, batch: PathBatch) -> FloatArray:
+        """Return the area [m^2] that every path leaves uncovered, shape (n,).
 
         What was seen before the paths begin is not known here: it counts alike for all of them.
         """
         start = batch.start._replace(x_m=batch.start.x_m - self.corner_x_m)
         moved = PathBatch(start, batch.radius_m, batch.rows)
-        return strips_of(self.spacing_m).unseen_m2(moved)
+        return sweep_of(self.spacing_m).uncovered_m2(moved)

@@ -1,7 +1,8 @@
 """Flying faster in a corner: which speeds a corner is planned with, and what is left to catch up.
 
-Until a slow-down is seen and a list flown the UAV flies on, and most of what a weave leaves unseen
-comes of having to be back in time. Faster than the helicopter, it has time to pass over more.
+Until a slow-down is seen and a list flown the UAV flies on, and most of what a weave leaves
+uncovered comes of having to be back in time. Faster than the helicopter, it has time to pass over
+more.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ def sped_up_plan(
     lead_m: float,
     separations_m: Sequence[float],
     speed_ups: Sequence[float],
-    made_good: float,
+    path_efficiency: float,
 ) -> tuple[CornerPlan, float] | None:
     """Return the plan of a corner and how much faster than V it is flown; None where there is none.
 
@@ -40,7 +41,7 @@ def sped_up_plan(
     found: tuple[CornerPlan, float] | None = None
     for separation in separations_m:
         for speed_up in speed_ups:
-            rules = DeadbeatRules(parameters, made_good=made_good * speed_up)
+            rules = DeadbeatRules(parameters, path_efficiency=path_efficiency * speed_up)
             only = Rule.D4 if speed_up > 1.0 else None
             try:
                 plan = rules.plan(lag_m, lead_m=lead_m, separation_m=separation, only=only)

@@ -1,13 +1,14 @@
 """The deadbeat rules: for any lag the path that leaves the least lag and stays apart.
 
-Four named rules, all of the shape S(p) C S(y) C S(q) C C of ``captures``, in the corner's frame:
+Four named rules, all of the shape S(p) C S(y) C S(q) C C of ``slot_intercept``, in the corner's
+frame:
 
 * D1 cut corner: S(p) R(pi/2).
 * D2 adjustable curve: S(p) R(alpha) S(y) L(beta) R(gamma), the paper's curve with its lead-in p,
   its straight y, its slope and its first turn alpha all free (the paper has alpha = pi).
 * D3 outside loop: S(p) L(pi + psi) S(q) L(pi/2 - psi), lead-in and slope free.
 * D4 weave: S(p) R(alpha) S(y) R(beta) S(q) L(gamma) R(delta), the curve with a third heading: it
-  crosses the new slot track as early as it can, swings back, and so sees most of both strips.
+  crosses the new slot track as early as it can, swings back, and so sees most of both swaths.
 
 For a lag L(k) the rule is chosen whose path leaves the smallest |L(k+1)| while the closest approach
 over the whole manoeuvre is no less than ``separation_m``; among equals the one with the best
@@ -31,11 +32,11 @@ from sar_planner.paths.slot_intercept import (
     STRAIGHT_Q,
     STRAIGHT_Y,
     Arcs,
-    CaptureProblem,
+    InterceptProblem,
     PathBatch,
 )
 from sar_planner.prediction.separation import corner_forecast, least_distances_m, sampling_slack_m
-from sar_planner.rules.corner_coverage import strips_of
+from sar_planner.rules.corner_coverage import sweep_of
 from sar_planner.rules.paper_rules import CornerPlan, NoPathError, Rule, next_lag_m
 
 HALF_PI = math.pi / 2.0
@@ -73,11 +74,11 @@ def _curve_arcs(heading_rad: float, radius_m: float, slow_factor: float) -> Arcs
     )
     beta = slope - (HALF_PI - alpha)
     forward = beta >= 0.0
-    problem = CaptureProblem(Pose(0.0, 0.0, heading_rad), radius_m, slow_factor)
+    problem = InterceptProblem(Pose(0.0, 0.0, heading_rad), radius_m, slow_factor)
     return problem.arcs(-alpha[forward], beta[forward], -1)
 
 
-def _woven(problem: CaptureProblem, headings: FloatArray) -> tuple[CaptureProblem, Arcs]:
+def _woven(problem: InterceptProblem, headings: FloatArray) -> tuple[InterceptProblem, Arcs]:
     """Return the problem and the arcs of weaves of headings alpha, beta, delta [rad], (n, 3)."""
     alpha, beta, delta = headings.T
     woven = replace(problem, last_turn_rad=-delta)
@@ -87,7 +88,7 @@ def _woven(problem: CaptureProblem, headings: FloatArray) -> tuple[CaptureProble
 @lru_cache(maxsize=8)
 def _weave_arcs(heading_rad: float, radius_m: float, slow_factor: float) -> Arcs:
     """Return the arcs of the grid of weaves; from where does not matter. Not to be changed."""
-    problem = CaptureProblem(Pose(0.0, 0.0, heading_rad), radius_m, slow_factor)
+    problem = InterceptProblem(Pose(0.0, 0.0, heading_rad), radius_m, slow_factor)
     return _woven(problem, WEAVES_RAD)[1]
 
 
@@ -108,51 +109,54 @@ class Candidates:
 class DeadbeatRules:
     """The four rules at one corner's parameters."""
 
-    def __init__(self, parameters: CornerParameters, *, made_good: float = 1.0) -> None:
+    def __init__(self, parameters: CornerParameters, *, path_efficiency: float = 1.0) -> None:
         """Prepare what does not depend on the lag.
 
-        ``made_good``: share of V that the UAV makes good along its path after the lead-in, above 1
-        where it flies faster.
+        ``path_efficiency``: share of V that the UAV makes good along its path after the lead-in,
+        above 1 where it flies faster.
         """
         self.parameters = parameters
-        self._made_good = made_good
+        self._path_efficiency = path_efficiency
         self._frame = slot_frame(parameters)
         self._slot_forecast = corner_forecast(parameters).in_frame(self._frame)
 
-    def problem(self, lag_m: float) -> CaptureProblem:
+    def problem(self, lag_m: float) -> InterceptProblem:
         """Return the problem in the slot's frame: the UAV at (-(s + L), -d) in the corner's."""
         p = self.parameters
         start = Pose(-(p.stopping_m + lag_m), -p.spacing_m, 0.0)
-        return CaptureProblem(
-            self._frame.to_frame(start), p.turn_radius_m, 1.0 / self._made_good, lead_factor=1.0
+        return InterceptProblem(
+            self._frame.to_frame(start),
+            p.turn_radius_m,
+            1.0 / self._path_efficiency,
+            lead_factor=1.0,
         )
 
     @property
     def _offset_m(self) -> float:
         return self.parameters.spacing_m + 3.0 * self.parameters.stopping_m
 
-    def _candidates(self, rule: Rule, problem: CaptureProblem, batch: PathBatch) -> Candidates:
+    def _candidates(self, rule: Rule, problem: InterceptProblem, batch: PathBatch) -> Candidates:
         return Candidates(rule, batch, problem.detours_m(batch) - self._offset_m)
 
     def exact(
-        self, problem: CaptureProblem, lead_m: float, straights: tuple[int, int]
+        self, problem: InterceptProblem, lead_m: float, straights: tuple[int, int]
     ) -> PathBatch:
         """Return the adjustable curves with L(k+1) = 0, by these two straights."""
         arcs = _curve_arcs(problem.start.heading_rad, problem.radius_m, problem.slow_factor)
         batch = problem.solve(arcs, self._offset_m, straights=straights, lead_m=lead_m)
         return self._short(batch, lead_m)
 
-    def weaves(self, problem: CaptureProblem, lead_m: float, headings: FloatArray) -> PathBatch:
+    def weaves(self, problem: InterceptProblem, lead_m: float, headings: FloatArray) -> PathBatch:
         """Return the weaves with L(k+1) = 0 of headings alpha, beta, delta [rad], shape (n, 3)."""
         possible = headings[headings.sum(axis=1) >= HALF_PI]
         return self._solved(*_woven(problem, possible), lead_m)
 
-    def _grid_of_weaves(self, problem: CaptureProblem, lead_m: float) -> PathBatch:
+    def _grid_of_weaves(self, problem: InterceptProblem, lead_m: float) -> PathBatch:
         woven = replace(problem, last_turn_rad=-WEAVES_RAD[:, 2])
         arcs = _weave_arcs(problem.start.heading_rad, problem.radius_m, problem.slow_factor)
         return self._solved(woven, arcs, lead_m)
 
-    def _solved(self, woven: CaptureProblem, arcs: Arcs, lead_m: float) -> PathBatch:
+    def _solved(self, woven: InterceptProblem, arcs: Arcs, lead_m: float) -> PathBatch:
         batches = [
             woven.solve(arcs, self._offset_m, straights=pair, lead_m=lead_m)
             for pair in ((STRAIGHT_Y, STRAIGHT_Q), (STRAIGHT_P, STRAIGHT_Y))
@@ -160,18 +164,18 @@ class DeadbeatRules:
         return self._short(PathBatch.join(batches), lead_m)
 
     def _best_weave(
-        self, problem: CaptureProblem, lead_m: float, separation_m: float
+        self, problem: InterceptProblem, lead_m: float, separation_m: float
     ) -> PathBatch | None:
-        """Return the weave that leaves the least unseen: of a grid, then of one about the best."""
+        """Return the weave that leaves the least uncovered, of a grid, then of one about it."""
         coarse = self._grid_of_weaves(problem, lead_m)
-        best, unseen = self._least_unseen(coarse, separation_m)
-        if best is None or unseen < SEEN * self.parameters.spacing_m**2:
+        best, uncovered = self._least_uncovered(coarse, separation_m)
+        if best is None or uncovered < SEEN * self.parameters.spacing_m**2:
             return best
         headings = np.abs(best.rows[0, [1, 3, 6]])
         finer = self.weaves(problem, lead_m, np.maximum(headings + WEAVES_ABOUT_RAD, 0.0))
-        return self._least_unseen(PathBatch.join([best, finer]), separation_m)[0]
+        return self._least_uncovered(PathBatch.join([best, finer]), separation_m)[0]
 
-    def _least_unseen(
+    def _least_uncovered(
         self, batch: PathBatch, separation_m: float
     ) -> tuple[PathBatch | None, float]:
         """Return, of the shortest safe paths, the one that sees the most, and what it does not."""
@@ -194,9 +198,9 @@ class DeadbeatRules:
                 break
         return found[:count]
 
-    def unseen_m2(self, batch: PathBatch) -> FloatArray:
-        """Return the area of the UAV's strips about the corner that paths leave unseen [m^2]."""
-        return strips_of(self.parameters.spacing_m).unseen_m2(batch)
+    def uncovered_m2(self, batch: PathBatch) -> FloatArray:
+        """Return the area of the UAV's swaths about the corner that paths leave uncovered [m^2]."""
+        return sweep_of(self.parameters.spacing_m).uncovered_m2(batch)
 
     def _short(self, batch: PathBatch, lead_m: float) -> PathBatch:
         p = self.parameters
@@ -204,20 +208,20 @@ class DeadbeatRules:
         longest = MAX_STRAIGHT_SPACINGS * p.spacing_m + MAX_STRAIGHT_SHARE * beyond
         return batch.take(batch.rows[:, STRAIGHT_Y] + batch.rows[:, STRAIGHT_Q] <= longest)
 
-    def curves(self, problem: CaptureProblem, lead_m: float) -> Candidates:
+    def curves(self, problem: InterceptProblem, lead_m: float) -> Candidates:
         """Return adjustable curves that begin to turn at once after the lead-in."""
         arcs = _curve_arcs(problem.start.heading_rad, problem.radius_m, problem.slow_factor)
         batch = problem.reach(arcs, lead_m=lead_m)
         return self._candidates(Rule.D2, problem, self._short(batch, lead_m))
 
-    def cut(self, problem: CaptureProblem, lead_m: float) -> Candidates:
+    def cut(self, problem: InterceptProblem, lead_m: float) -> Candidates:
         """Return the cut corner, where the lead-in leaves it."""
         arcs = problem.arcs(np.array([-HALF_PI]), np.array([0.0]), -1)
         batch = problem.reach(arcs, straight=STRAIGHT_P, lead_m=lead_m)
         return self._candidates(Rule.D1, problem, batch)
 
     def loops(
-        self, problem: CaptureProblem, leads_m: FloatArray, turns_rad: FloatArray = LOOP_TURNS_RAD
+        self, problem: InterceptProblem, leads_m: FloatArray, turns_rad: FloatArray = LOOP_TURNS_RAD
     ) -> Candidates:
         """Return outside loops of all these lead-ins [m] and first turns [rad]."""
         arcs = problem.arcs(turns_rad, np.zeros_like(turns_rad), 1)
@@ -235,7 +239,7 @@ class DeadbeatRules:
             batch,
             self._slot_forecast,
             start_s=0.0,
-            speeds_mps=speed * self._made_good,
+            speeds_mps=speed * self._path_efficiency,
             lead_mps=speed,
             enough_m=enough_m + slack,
         )
@@ -306,13 +310,13 @@ class DeadbeatRules:
 
     def _best_covering(self, batch: PathBatch) -> tuple[PathBatch, float]:
         """Return, of paths in order of length, the one that sees the most, and what it does not."""
-        unseen = self.unseen_m2(batch)
-        best = int(np.argmin(unseen))
-        return batch.take([best]), float(unseen[best])
+        uncovered = self.uncovered_m2(batch)
+        best = int(np.argmin(uncovered))
+        return batch.take([best]), float(uncovered[best])
 
     def _finer_loop(
         self,
-        problem: CaptureProblem,
+        problem: InterceptProblem,
         path: PathBatch,
         lead_m: float,
         separation_m: float,
@@ -338,7 +342,9 @@ class DeadbeatRules:
     def _corner_plan(self, rule: Rule, lag_m: float, batch: PathBatch) -> CornerPlan:
         path = self._frame.path_to_map(batch.path(0))
         p = self.parameters
-        late = (1.0 / self._made_good - 1.0) * (path.length_m - float(batch.rows[0, STRAIGHT_P]))
+        late = (1.0 / self._path_efficiency - 1.0) * (
+            path.length_m - float(batch.rows[0, STRAIGHT_P])
+        )
         return CornerPlan(rule, lag_m, next_lag_m(path, p) + late, path, p)
 
 

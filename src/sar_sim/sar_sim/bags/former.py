@@ -14,8 +14,8 @@ from sar_estimator.common.pose import Pose
 from sar_estimator.common.statuses import to_status
 
 JSON_KIND = "std_msgs/msg/String"
-RENAMED = {"corner_hurry": "corner_speed_up"}
-"""Parameters by their former names."""
+RENAMED = {"corner_hurry": "corner_speed_up", "led": "tracking_list"}
+"""Keys by their former names."""
 
 Message = tuple[str, Any]
 
@@ -37,6 +37,10 @@ def as_now(topic: str, kind: str, message: Any) -> Iterator[Message]:
 
 def _plain(topic: str, values: dict[str, Any]) -> Iterator[Message]:
     yield topic, to_status(topic, values)
+
+
+def _state(topic: str, values: dict[str, Any]) -> Iterator[Message]:
+    yield topic, to_status(topic, {RENAMED.get(key, key): item for key, item in values.items()})
 
 
 def _mission(topic: str, values: dict[str, Any]) -> Iterator[Message]:
@@ -62,7 +66,7 @@ def _true_corner(topic: str, values: dict[str, Any]) -> Iterator[Message]:
 
 
 FORMER: dict[str, Callable[[str, dict[str, Any]], Iterator[Message]]] = {
-    topics.UAV_STATE: _plain,
+    topics.UAV_STATE: _state,
     topics.AUTOPILOT: _plain,
     topics.UPLOADED: _plain,
     topics.MONITOR: _plain,

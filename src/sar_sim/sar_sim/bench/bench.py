@@ -43,7 +43,7 @@ def as_json(figures: Iterable[Figure]) -> str:
 
 def memory_kb(smaps_rollup: str) -> int:
     """Return a process' proportional set size [kB] from its ``smaps_rollup``; 0 where not told."""
-    return _told_kb(smaps_rollup, ("Pss:",))
+    return _reported_kb(smaps_rollup, ("Pss:",))
 
 
 def private_kb(smaps_rollup: str) -> int:
@@ -51,10 +51,10 @@ def private_kb(smaps_rollup: str) -> int:
 
     Unlike the proportional set size it does not change when others begin or end.
     """
-    return _told_kb(smaps_rollup, ("Private_Clean:", "Private_Dirty:"))
+    return _reported_kb(smaps_rollup, ("Private_Clean:", "Private_Dirty:"))
 
 
-def _told_kb(smaps_rollup: str, names: tuple[str, ...]) -> int:
+def _reported_kb(smaps_rollup: str, names: tuple[str, ...]) -> int:
     lines = (line.split() for line in smaps_rollup.splitlines() if line.startswith(names))
     return sum(int(fields[1]) for fields in lines)
 

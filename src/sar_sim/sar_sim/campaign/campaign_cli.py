@@ -11,7 +11,7 @@ from sar_sim.campaign.campaign import Campaign, load_campaign
 from sar_sim.campaign.campaign_table import HEADER, line_of, summaries, write_rows, write_summary
 from sar_sim.campaign.missions import Mission
 from sar_sim.jobs.pool import Workers, add_work_options, in_parallel
-from sar_sim.jobs.result_cache import Kept
+from sar_sim.jobs.result_cache import ResultCache
 from sar_sim.report.figures import draw_lags
 from sar_sim.scenario.options import find_plan
 
@@ -19,7 +19,7 @@ from sar_sim.scenario.options import find_plan
 def fly_campaign(campaign: Campaign, out: Path, args: argparse.Namespace) -> list[list[Mission]]:
     """Fly what is not kept in ``out`` yet, combination by combination, as the options say."""
     seeds = range(args.first_seed, args.first_seed + (args.seeds or campaign.seeds))
-    kept = Kept(out / "kept.jsonl", {"work": "campaign", "plan": campaign.document})
+    kept = ResultCache(out / "kept.jsonl", {"work": "campaign", "plan": campaign.document})
     flown = []
     with Workers(args.jobs, args.scheduler) as workers:
         for one in campaign.combinations:

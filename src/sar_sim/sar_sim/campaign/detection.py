@@ -29,8 +29,8 @@ SETTLED_S = 25.0
 class Watched:
     """What an estimator made of one flight.
 
-    ``delays_s``: from every corner's onset until it was foretold, infinite where it was not;
-    ``alarms``: corners foretold that were none; ``withdrawn``: of all, how many were taken back;
+    ``delays_s``: from every corner's onset until it was predicted, infinite where it was not;
+    ``alarms``: corners predicted that were none; ``withdrawn``: of all, how many were taken back;
     ``unled_s``: for how long on legs, from 25 s after a corner on, no leg was known.
     """
 
@@ -61,16 +61,16 @@ def watch(helicopter: Helicopter, gps: Gps, until_s: float) -> Watched:
     """Let an estimator watch a flight through a receiver."""
     estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
     seen: list[float] = []
-    foretold, unled_s = False, 0.0
+    predicted, unled_s = False, 0.0
     corners = helicopter.corners
     for reception in SimulatedGps(helicopter, gps, DATUM).due(until_s):
         velocity, time_s = reception.velocity, reception.fix.time_s
         if velocity is not None:
             estimator.add_velocity(time_s, velocity.vx_mps, velocity.vy_mps, VELOCITY_SIGMA_MPS)
         estimator.add_fix(reception.fix)
-        if estimator.corner is not None and not foretold:
+        if estimator.corner is not None and not predicted:
             seen.append(time_s)
-        foretold = estimator.corner is not None
+        predicted = estimator.corner is not None
         if estimator.leg is None and _on_leg(corners, time_s):
             unled_s += 1.0 / gps.rate_hz
     delays, alarms = matched(corners, seen)

@@ -27,18 +27,18 @@ SAME_CORNER_S = 15.0
 class Mission:
     """One mission.
 
-    ``lags_m``: true L(k) at every corner's onset; ``foretold_m``: L(k+1) as the path for corner k
+    ``lags_m``: true L(k) at every corner's onset; ``predicted_m``: L(k+1) as the path for corner k
     was planned last, NaN where none was; ``rules``: of those paths. ``separation_m``: the closest
     approach, at ``separation_s``. Coverage, ``reached_percent`` (that of what the helicopter's
     own track allows) and overlap [%] and the area seen [km^2] count from the third corner on,
-    over ``covered_s``. ``false_corners``: foretold where there was none. ``alerts``: the
+    over ``covered_s``. ``false_corners``: predicted where there was none. ``alerts``: the
     monitor's, and lists passed and refused, counted; ``problems``: what the planner said, without
     numbers.
     """
 
     seed: int
     lags_m: tuple[float, ...]
-    foretold_m: tuple[float, ...]
+    predicted_m: tuple[float, ...]
     rules: tuple[str, ...]
     separation_m: float
     separation_s: float
@@ -58,7 +58,8 @@ class Mission:
     def extra_m(self) -> tuple[float, ...]:
         """How much farther than planned was flown at each corner, the last one left out [m]."""
         return tuple(
-            lag - foretold for lag, foretold in zip(self.lags_m[1:], self.foretold_m, strict=False)
+            lag - predicted
+            for lag, predicted in zip(self.lags_m[1:], self.predicted_m, strict=False)
         )
 
     @property
@@ -141,14 +142,14 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
     seen = Observer(flight.world)
     planned: dict[int, ActiveCorner] = {}
     problems: set[str] = set()
-    foretold: list[float] = []
+    predicted: list[float] = []
     ahead = False
 
     def observe(world: World) -> None:
         nonlocal ahead
         seen(world)
         if flight.estimator.corner is not None and not ahead:
-            foretold.append(world.time_s)
+            predicted.append(world.time_s)
         ahead = flight.estimator.corner is not None
         if flight.planner.active is not None:
             planned[flight.planner.active.k] = flight.planner.active
@@ -178,7 +179,7 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
         covered_s,
         flight.planner.report.corrections,
         0 if flight.planner.list is None else flight.planner.list.number,
-        matched(world.corners, foretold)[1],
+        matched(world.corners, predicted)[1],
         world.time_s,
         {str(name): count for name, count in flight.monitor.counts.items()},
         frozenset(problems),
@@ -188,7 +189,7 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
 def _foretold(corner: CornerTruth, planned: Iterable[ActiveCorner]) -> float:
     """Return L(k+1) as it was planned last for a corner [m], NaN where it was not planned.
 
-    By the time of its onset: the planner also counts corners that it foretold in vain.
+    By the time of its onset: the planner also counts corners that it predicted in vain.
     """
     for active in planned:
         if abs(active.estimate.onset_time_s - corner.onset_time_s) < SAME_CORNER_S:

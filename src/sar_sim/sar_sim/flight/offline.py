@@ -122,7 +122,7 @@ class OfflineFlight:
             record=None if bag is None else self._record,
             listeners={topics.CLEARED: self._bridge.take, topics.SPEED: self._set_airspeed},
         )
-        self._told_mode = ""
+        self._published_mode = ""
         self._corners = list(world.corners)
         self._steps = 0
         self._bus.now_s = self._clock_s()
@@ -214,10 +214,12 @@ class OfflineFlight:
         if self._bag is not None:
             for topic, truth in self.world.truth(self._bus.now_s):
                 self._record(topic, truth)
-        if autopilot.mode.name != self._told_mode:
-            self._told_mode = autopilot.mode.name
+        if autopilot.mode.name != self._published_mode:
+            self._published_mode = autopilot.mode.name
             ratio = autopilot.uav.airspeed_ratio
-            status = UavStatus(self._told_mode, armed=True, connected=True, airspeed_ratio=ratio)
+            status = UavStatus(
+                self._published_mode, armed=True, connected=True, airspeed_ratio=ratio
+            )
             self._bus.publish(topics.UAV_STATE, status)
         self._bus.tell_uav(autopilot)
         self._bus.tick(self._helicopter)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from sar_bridge.arduplane.l1_predictor import FollowerTuning
 from sar_bridge.mavlink.mission_items import first_ahead
-from sar_bridge.mission.mission_slots import MissionBanks, RunIn, Write
+from sar_bridge.mission.mission_slots import CaptureWaypoints, MissionSlots, Write
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.reports import WaypointList
 from sar_estimator.common.states import FloatArray
@@ -31,7 +31,7 @@ class SimulatedBridge:
     ) -> None:
         """Nothing is under way."""
         self._autopilot, self._datum = autopilot, datum
-        self._banks = MissionBanks(altitude_m=altitude_m)
+        self._slots = MissionSlots(altitude_m=altitude_m)
         self._item_s, self._latency_s = item_s, latency_s
         self._newest: WaypointList | None = None
         self._under_way: WaypointList | None = None
@@ -49,7 +49,7 @@ class SimulatedBridge:
             arrived, self._under_way = self._under_way, None
             load_list(
                 self._autopilot,
-                self._banks,
+                self._slots,
                 arrived.points,
                 self._datum,
                 climb_m=arrived.climb_m,
@@ -63,24 +63,24 @@ class SimulatedBridge:
 
 def load_list(
     autopilot: SimAutopilot,
-    banks: MissionBanks,
+    slots: MissionSlots,
     points: FloatArray,
     datum: Datum,
     *,
     climb_m: float = 0.0,
 ) -> None:
     """Put a list, shape (n, 2) [m], into its bank and lead over to it, as the bridge does."""
-    if autopilot.mode is not FlightMode.AUTO or not banks.takes(points):
-        autopilot.load(banks.whole(points, datum, climb_m=climb_m))
+    if autopilot.mode is not FlightMode.AUTO or not slots.takes(points):
+        autopilot.load(slots.whole(points, datum, climb_m=climb_m))
         autopilot.set_current(first_ahead(points, autopilot.motion) + 1)
         autopilot.set_mode(FlightMode.AUTO)
         return
-    _put(autopilot, banks.fill(points, datum, autopilot.current, climb_m=climb_m))
+    _put(autopilot, slots.fill(points, datum, autopilot.current, climb_m=climb_m))
     told = parameter_values(autopilot.uav)
     tuning = FollowerTuning.read(told)
-    step = banks.join(autopilot.current, autopilot.motion, datum, within_s=0.0, tuning=tuning)
+    step = slots.join(autopilot.current, autopilot.motion, datum, within_s=0.0, tuning=tuning)
     _put(autopilot, step)
-    if isinstance(step, RunIn):
+    if isinstance(step, CaptureWaypoints):
         autopilot.set_current(step.start)
 
 

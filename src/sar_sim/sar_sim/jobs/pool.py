@@ -15,7 +15,7 @@ from typing import TypeVar
 from tqdm import tqdm
 
 from sar_sim.jobs.processes import spawning_pool
-from sar_sim.jobs.result_cache import Kept
+from sar_sim.jobs.result_cache import ResultCache
 
 T = TypeVar("T")
 TOLD_EVERY_S = 60.0
@@ -80,7 +80,7 @@ def in_parallel(
     workers: Executor,
     *,
     kind: type[T],
-    kept: Kept,
+    kept: ResultCache,
     part: str = "",
 ) -> list[T]:
     """Return what ``work`` makes of every seed, in their order.

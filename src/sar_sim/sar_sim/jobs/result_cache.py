@@ -25,7 +25,7 @@ def build_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-class Kept:
+class ResultCache:
     """Results by part and seed, one JSON line each behind a line that says what they are of.
 
     A last line that was cut off, by a power failure say, is dropped. Raises ``ValueError`` for a

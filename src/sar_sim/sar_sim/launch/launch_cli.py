@@ -122,7 +122,7 @@ class Flight:
             answer = engaging.ask() if engaging is not None else ""
             if answer:
                 sys.stdout.write(f"\nengage: {answer}\n" if terminal else f"engage: {answer}\n")
-            self._befall(watcher.time_s(self._speed))
+            self._inject(watcher.time_s(self._speed))
             for node in self.nodes:
                 if node.name in NODES and node.age_s > HANGS_S and watcher.hangs(node.name):
                     sys.stderr.write(f"launch: node {node.name} hangs: killed\n")
@@ -134,7 +134,7 @@ class Flight:
                 sys.stdout.flush()
         return None
 
-    def _befall(self, time_s: float) -> None:
+    def _inject(self, time_s: float) -> None:
         """Inject the faults of nodes and of DDS that are due."""
         for name, action in self._faults.due(time_s):
             if self._cut is not None and name == "dds":

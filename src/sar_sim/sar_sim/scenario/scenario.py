@@ -38,7 +38,7 @@ FAULTS: dict[str, tuple[str, ...]] = {
     "dds": ("off",),
     **dict.fromkeys(NODES, ("off", "stuck")),
 }
-OddAction = Literal["other_way", "go_on", "break_off"]
+Anomaly = Literal["other_way", "go_on", "break_off"]
 PilotKind = Literal["robot", "steady", "human", "rough"]
 Receiver = Literal["plain", "white", "modern", "old"]
 AutopilotKind = Literal["ideal", "arduplane", "piccolo2005"]
@@ -87,9 +87,10 @@ class Pilot:
     ``speed_sigma_mps`` on each leg's speed, ``speed_drift_mps`` by how much it may drift along a
     leg, ``accel_spread`` (relative) on each corner's acceleration, ``corner_sigma_m`` on where he
     turns, ``turn_spread_deg`` by how much the angle may differ from 90 degrees, ``hover_s`` in
-    every corner and up to ``hover_spread_s`` more. At corner ``odd_corner`` (from 1, 0 for none) he
-    does ``odd_action``: other_way (turns to the other side), go_on (has slowed to a third half-way
-    down the leg before, and gone on), break_off (flies away from the pattern, faster, for good).
+    every corner and up to ``hover_spread_s`` more. At corner ``anomaly_corner`` (from 1, 0 for
+    none) he does ``anomaly``: other_way (turns to the other side), go_on (has slowed to a third
+    half-way down the leg before, and gone on), break_off (flies away from the pattern, faster, for
+    good).
 
     ``kind``: robot, steady, human or rough; in YAML it sets the defaults of the rest.
 
@@ -113,8 +114,8 @@ class Pilot:
     hover_spread_s: NotNegative = 0.0
     turn_spread_deg: NotNegative = 0.0
     speed_drift_mps: NotNegative = 0.0
-    odd_corner: Annotated[int, Field(ge=0)] = 0
-    odd_action: OddAction = "go_on"
+    anomaly_corner: Annotated[int, Field(ge=0)] = 0
+    anomaly: Anomaly = "go_on"
     seed: int = 1
     kind: PilotKind = "robot"
     wander_along_mps: NotNegative = 0.0
@@ -169,7 +170,7 @@ class Gps:
     latency_per_mps_s: NotNegative = 0.0
 
     @property
-    def told_sigma_m(self) -> float:
+    def reported_sigma_m(self) -> float:
         """The standard deviation per axis that the receiver gives of itself [m]."""
         return max(0.1, math.hypot(self.sigma_m, self.bias_sigma_m, self.correlated_sigma_m))
 

@@ -26,7 +26,7 @@ from sar_sim.flight.bus import Bus
 from sar_sim.flight.offline import STEPS_PER_GUARD, STEPS_PER_TICK, monitor_for
 from sar_sim.flight.upload import SimulatedBridge
 from sar_sim.scenario.presets import AUTOPILOTS
-from sar_sim.scenario.scenario import Gps, OddAction, Pattern, Pilot, Scenario, Uav, Wind
+from sar_sim.scenario.scenario import Anomaly, Gps, Pattern, Pilot, Scenario, Uav, Wind
 from sar_sim.world.helicopter import Helicopter
 from sar_sim.world.world import World
 
@@ -74,7 +74,7 @@ def random_scenario(rng: np.random.Generator, seed: int) -> Scenario:
     """Return a helicopter on a pattern, flown by a human, and a UAV about its slot."""
     side: Side = 1 if rng.uniform() < 0.5 else -1
     odd = int(rng.integers(0, 4))
-    action: OddAction = rng.choice(get_args(OddAction)).item()
+    action: Anomaly = rng.choice(get_args(Anomaly)).item()
     dynamics: dict[str, Any] = {**AUTOPILOTS["arduplane"]}
     return Scenario(
         name="encounter",
@@ -84,8 +84,8 @@ def random_scenario(rng: np.random.Generator, seed: int) -> Scenario:
             accel_spread=0.15,
             turn_spread_deg=30.0,
             hover_spread_s=20.0,
-            odd_corner=odd,
-            odd_action=action,
+            anomaly_corner=odd,
+            anomaly=action,
             seed=seed,
         ),
         gps=Gps(sigma_m=3.0, seed=seed),

@@ -6,7 +6,7 @@ import argparse
 import sys
 
 from sar_sim.jobs.pool import Workers, add_keep_option, add_work_options, in_parallel
-from sar_sim.jobs.result_cache import Kept
+from sar_sim.jobs.result_cache import ResultCache
 from sar_sim.trials.encounters import Encounter, fly_encounter, summary
 
 
@@ -18,7 +18,7 @@ def main(argv: list[str] | None = None) -> int:
     args = parser.parse_args(argv)
     seeds = range(args.first_seed, args.first_seed + args.encounters)
     try:
-        kept = Kept(args.keep, {"work": "monitor_trials"})
+        kept = ResultCache(args.keep, {"work": "monitor_trials"})
         with Workers(args.jobs, args.scheduler) as workers:
             flown = in_parallel(fly_encounter, seeds, workers, kind=Encounter, kept=kept)
     except (OSError, ValueError) as error:

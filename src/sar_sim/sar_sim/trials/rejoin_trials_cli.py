@@ -10,7 +10,7 @@ import numpy as np
 
 from sar_planner.parameters.corner import CornerParameters
 from sar_sim.jobs.pool import Workers, add_keep_option, add_work_options, in_parallel
-from sar_sim.jobs.result_cache import Kept
+from sar_sim.jobs.result_cache import ResultCache
 from sar_sim.trials.rejoin_trials import PHASES, Trial, fly
 
 
@@ -49,7 +49,7 @@ def main(argv: list[str] | None = None) -> int:
     args = parser.parse_args(argv)
     seeds = range(args.first_seed, args.first_seed + args.starts)
     try:
-        kept = Kept(args.keep, {"work": "rejoin_trials", "bound": args.bound})
+        kept = ResultCache(args.keep, {"work": "rejoin_trials", "bound": args.bound})
         work = partial(fly, bounded=args.bound == "full")
         with Workers(args.jobs, args.scheduler) as workers:
             trials = in_parallel(work, seeds, workers, kind=Trial, kept=kept)

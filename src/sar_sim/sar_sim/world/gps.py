@@ -67,7 +67,7 @@ class SimulatedGps:
         self._helicopter, self._gps, self._datum = helicopter, gps, datum
         self._rng = np.random.default_rng(gps.seed)
         self._drift = np.random.default_rng([gps.seed, 5])
-        self._covariance = np.eye(2) * gps.told_sigma_m**2
+        self._covariance = np.eye(2) * gps.reported_sigma_m**2
         self._epoch = 1
         self._wandering = self._drift.standard_normal((2, 2)) * [
             [gps.bias_sigma_m],

@@ -124,7 +124,7 @@ class PatternHelicopter:
         lengths = leg_lengths_m(pattern)
         for i, length in enumerate(lengths):
             k = i + 1
-            odd = pilot.odd_action if k == pilot.odd_corner else ""
+            odd = pilot.anomaly if k == pilot.anomaly_corner else ""
             speed = speed_mps + pilot.speed_sigma_mps * rng.standard_normal()
             accel = accel_mps2 * math.exp(pilot.accel_spread * rng.standard_normal())
             shift = pilot.corner_sigma_m * rng.standard_normal()

@@ -248,7 +248,7 @@ class HumanHelicopter:
         left_out, speed, error = 0.0, self._speed, 0.0
         for i, length in enumerate(lengths_m):
             k, last = i + 1, i == len(lengths_m) - 1
-            odd = pilot.odd_action if k == pilot.odd_corner else ""
+            odd = pilot.anomaly if k == pilot.anomaly_corner else ""
             if i == 0:
                 speed = self._speed + pilot.speed_sigma_mps * float(rng.standard_normal())
             end_speed = speed + pilot.speed_drift_mps * float(rng.uniform(-1.0, 1.0))

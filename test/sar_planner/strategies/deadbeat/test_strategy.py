@@ -88,7 +88,7 @@ def test_corner_is_planned_committed_corrected_and_left():
     assert plan.active.plan.lag_m == pytest.approx(0.0, abs=1e-6)
     assert plan.active.plan.turn_start_m >= 100.0
     path = plan.active.path
-    # The UAV follows, 1.5 s behind its plan, into the first turn; the helicopter turns as foretold.
+    # The UAV follows, 1.5 s late, into the first turn; the helicopter turns as predicted.
     corrected = None
     for tenth in range(1, 120):
         now = 104.0 + 0.1 * tenth

@@ -76,7 +76,7 @@ def _rule_plan(
         lead_m=uav.speed_mps * max(0.0, passed_s),
         separations_m=tick.separations_m,
         speed_ups=speed_ups_of(tick.air, estimate.speed_mps, tick.mission.corner_speed_up),
-        made_good=state.efficiency.share,
+        path_efficiency=state.efficiency.share,
     )
 
 

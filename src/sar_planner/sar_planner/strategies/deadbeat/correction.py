@@ -9,7 +9,7 @@ from sar_planner.paths.flight_path import FlightPath
 from sar_planner.prediction.separation import least_apart_m
 from sar_planner.rejoin.recapture import Recapture, row_of
 from sar_planner.rejoin.tracked_path import TrackedPath, final_lag_m, is_on_track
-from sar_planner.rules.corner_coverage import StripsAt
+from sar_planner.rules.corner_coverage import SweepAt
 from sar_planner.rules.paper_rules import Rule
 from sar_planner.strategies.active_corner import Mode
 from sar_planner.strategies.deadbeat.corner_planning import path_speed_mps
@@ -52,7 +52,7 @@ def correct(state: State, tick: Tick, off_m: float, held_lag_m: float) -> Decisi
         state.speed_up * speed_mps * state.share,
         tick.corner.separation_m,
         old.path.length_m - from_m + LONGER_SPACINGS * tick.corner.spacing_m,
-        _strips(state, tick),
+        _sweep(state, tick),
     )
     least_m = tick.corner.separation_m + MARGIN_SHARE * tick.margin_m
     wanted_m = tick.corner.separation_m + CORRECTED_SHARE * tick.margin_m
@@ -85,12 +85,12 @@ def correct(state: State, tick: Tick, off_m: float, held_lag_m: float) -> Decisi
     return Decision(state, PathListing(name, frame.path_to_map(whole), new_mps))
 
 
-def _strips(state: State, tick: Tick) -> StripsAt | None:
-    """Return the UAV's strips about the corner that is flown; None where none is."""
+def _sweep(state: State, tick: Tick) -> SweepAt | None:
+    """Return the UAV's swaths about the corner that is flown; None where none is."""
     estimate = tick.situation.estimate
     if state.corner is None or state.corner.plan.rule is Rule.RJ or estimate is None:
         return None
-    return StripsAt(tick.corner.spacing_m, tick.slot_frame.to_frame(estimate.stop).x_m)
+    return SweepAt(tick.corner.spacing_m, tick.slot_frame.to_frame(estimate.stop).x_m)
 
 
 def _widest(search: Recapture, state: State, tick: Tick) -> Decision:

@@ -48,7 +48,7 @@ class State:
     ``speed_mps``: the ground speed asked for, None where it is left to the autopilot.
     ``speed_up``: of the path, over V. ``lag_setpoint_m``: kept on legs. ``planned``: the estimate
     that a corner was planned from last; ``done_corner``: the last one that needs no plan any more.
-    ``went_on``: the corner that was foretold was none. ``planned_radius_m``: of turns of the path.
+    ``went_on``: the corner that was predicted was none. ``planned_radius_m``: of turns of the path.
     ``followed_s``, ``led_s``: when a path, a leg was looked at last; ``corrected_s``: when a path
     was corrected last; ``retry_s``: before which none is. ``problem``: of the last decision;
     ``path_problem``, ``corner_problem``: as long as path or corner are flown.
@@ -179,7 +179,7 @@ class Tick:
         if share >= POOR_SHARE:
             return 0.0
         lead_m = self.corner.speed_mps * (DETECTION_S + self.mission.reaction_s)
-        rules = DeadbeatRules(self.corner, made_good=share)
+        rules = DeadbeatRules(self.corner, path_efficiency=share)
         return least_lag_m(rules, lead_m=lead_m, separation_m=self.corner.separation_m)
 
     def on_slot(self) -> bool:
