@@ -15,7 +15,7 @@ from sar_planner.rejoin.recapture import row_of
 from sar_planner.rules.deadbeat_automaton import DeadbeatAutomaton, check_deadbeat
 from sar_planner.rules.deadbeat_rules import DeadbeatRules, least_lag_m
 from sar_planner.rules.paper_rules import NoPathError, Rule
-from sar_sim.report.coverage import ideal_tracks
+from sar_sim.report.coverage import ideal_tracks, swath
 
 P = CornerParameters()
 AUTOMATON = DeadbeatAutomaton(P)
