@@ -102,6 +102,13 @@ def test_files_are_short(path):
     assert len(path.read_text(encoding="utf-8").splitlines()) <= limit
 
 
+def test_g_has_one_value():
+    texts = {name_of(path): path.read_text(encoding="utf-8") for path in SOURCES}
+    assert [name for name, text in texts.items() if re.search(r"\b9\.8\d*\b", text)] == [
+        "sar_estimator/common/constants"
+    ]
+
+
 REASON = "In one piece: "
 
 

@@ -28,7 +28,8 @@ class BridgeParameters:
     altitude_m: of every waypoint, above the UAV's home. target_system: MAVLink system to talk to;
     0 for the first autopilot heard. signing_key_file: file with a MAVLink 2 signing key, mode 600;
     without one nothing is signed. node_timeout_s: planner or monitor silent for so long: no more
-    heartbeats to the autopilot while a list is flown.
+    heartbeats to the autopilot while a list is flown. link_timeout_s: without a heartbeat of the
+    autopilot, after which it is not heard any more.
     """
 
     autopilot_url: str = "udp:127.0.0.1:14550"
@@ -36,6 +37,7 @@ class BridgeParameters:
     target_system: Annotated[int, Field(ge=0, le=255)] = 0
     signing_key_file: str = ""
     node_timeout_s: Annotated[float, Field(ge=2.0)] = 4.0
+    link_timeout_s: Annotated[float, Field(ge=1.5)] = 3.0
 
 
 PARAMETERS = (BridgeParameters,)
@@ -63,6 +65,7 @@ class BridgeNode(ComponentNode):
             altitude_m=own.altitude_m,
             target_system=own.target_system,
             node_timeout_s=own.node_timeout_s,
+            link_timeout_s=own.link_timeout_s,
         )
         return self._bridge
 

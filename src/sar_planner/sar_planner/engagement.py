@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from sar_estimator.common.reports import UavStatus
 from sar_estimator.common.states import Phase
+from sar_planner.parameters.mission import MissionParameters
 from sar_planner.prediction.situation import Situation
 
-FARTHEST_M = 20_000.0
 ENGAGE_MODES = ("AUTO", "GUIDED")
 
 
@@ -21,20 +21,18 @@ def not_flying(status: UavStatus) -> str:
     return ""
 
 
-def obstacle(situation: Situation, stale_s: float, now_s: float) -> str:
-    """Return what is missing at ``now_s`` [s] to lead the UAV, empty when nothing is.
-
-    ``stale_s``: the age from which on a position is not planned with [s].
-    """
+def obstacle(situation: Situation, mission: MissionParameters, now_s: float) -> str:
+    """Return what is missing at ``now_s`` [s] to lead the UAV, empty when nothing is."""
     for name, motion in (("UAV", situation.uav), ("helicopter", situation.helicopter)):
         if motion is None:
             return f"no {name} position"
         age = now_s - motion.time_s
-        if age > stale_s:
-            return f"{name} position {age:.1f} s old (limit {stale_s} s)"
+        if age > mission.stale_s:
+            return f"{name} position {age:.1f} s old (limit {mission.stale_s} s)"
     apart = situation.separation_m()
-    if apart is not None and apart > FARTHEST_M:
-        return f"helicopter {apart / 1e3:.0f} km from the UAV: expected within 20 km"
+    if apart is not None and apart > mission.farthest_m:
+        most = f"expected within {mission.farthest_m / 1e3:g} km"
+        return f"helicopter {apart / 1e3:.0f} km from the UAV: {most}"
     if situation.phase is Phase.LOST:
         return "helicopter GPS lost"
     if situation.leg is None:

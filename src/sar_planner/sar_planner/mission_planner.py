@@ -25,7 +25,6 @@ from sar_planner.strategies.paper import PaperStrategy
 from sar_planner.strategies.strategy import Strategy, StrategyReport
 
 MAX_WAYPOINTS = 400
-REFUSED_RETRY_S = 2.0
 
 
 @dataclass(frozen=True)
@@ -155,7 +154,7 @@ class MissionPlanner:
 
     def obstacle(self, now_s: float) -> str:
         """Return why the planner cannot lead the UAV at ``now_s``, empty when it can."""
-        return obstacle(self.situation, self.parameters.stale_s, now_s)
+        return obstacle(self.situation, self.parameters, now_s)
 
     def engage(self, now_s: float) -> str:
         """Begin to lead the UAV; return why not, empty when begun."""
@@ -280,7 +279,7 @@ class MissionPlanner:
         if self.list is None or self.monitor.refused_id != self.list.list_id:
             return ""
         if now_s > self._retry_s and self.mode in (Mode.LEG, Mode.HOLD):
-            self._retry_s = now_s + REFUSED_RETRY_S
+            self._retry_s = now_s + self.parameters.retry_s
             self._strategy.begin()
         return self.monitor.reason
 

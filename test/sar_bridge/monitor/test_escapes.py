@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_bridge.arduplane.l1_predictor import STEP_S
-from sar_bridge.monitor.escapes import CLIMB_MPS, TURNS_RAD, apart, climb_m, ends, worth
+from sar_bridge.monitor.escapes import TURNS_RAD, apart, climb_m, ends, worth
 from sar_bridge.monitor.helicopter_hypotheses import Future
 from sar_estimator.common.pose import wrap_angle
 from sar_estimator.common.states import Motion
@@ -68,5 +68,5 @@ def test_the_ways_out_lead_all_around(x_m, y_m, course_rad):
 )
 def test_it_climbs_where_that_separates_more(above_m, climb):
     passing = apart(line(-400.0, 0.0, 20.0, 0.0), [future(np.zeros((81, 2)), likely=True)], 0.0)
-    assert 20.0 * CLIMB_MPS == 50.0  # what it has climbed when it passes
-    assert climb_m(passing, above_m, 40.0) == climb
+    # It has climbed 50 m when it passes.
+    assert climb_m(passing, above_m, 40.0, 2.5) == climb

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sar_bridge.arduplane.l1_predictor import Route
-from sar_bridge.monitor.guard import RECHOOSE_S, Guard
+from sar_bridge.monitor.guard import Guard
 from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.outlook import Outlook
 from sar_bridge.monitor.parameters import MonitorParameters
@@ -94,8 +94,8 @@ def test_another_way_is_looked_for_now_and_then_and_taken_when_clearly_better():
     bench = Bench(AT, uav_y=-150.0)
     first = bench.guard.way_out(bench.look(0.0))
     bench.route = Route(first.points, bench.outlook.uav)
-    assert bench.guard.better_way(bench.look(0.5 * RECHOOSE_S, escaping=True)) is None
+    assert bench.guard.better_way(bench.look(1.0, escaping=True)) is None
     toward = Bench(AT, uav_y=-150.0)
     toward.guard.way_out(toward.look(0.0))
     toward.route = Route(np.array([[300.0, 800.0]]), toward.outlook.uav)
-    assert toward.guard.better_way(toward.look(RECHOOSE_S, escaping=True)) is not None
+    assert toward.guard.better_way(toward.look(2.0, escaping=True)) is not None

@@ -28,7 +28,7 @@ class Flight:
         uav = Uav(autopilot="arduplane", **AUTOPILOTS["arduplane"])
         self.pilot = SimAutopilot(Pose(0.0, 0.0, 0.0), speed_mps=20.0, uav=uav, datum=DATUM)
         self.server = AutopilotServer(self.pilot, DATUM)
-        self.bridge = BridgeComponent(altitude_m=150.0, target_system=0, node_timeout_s=4.0)
+        self.bridge = BridgeComponent(altitude_m=150.0)
         self.now_s = 50.0
         self.told = []
         self.sent = []
@@ -137,7 +137,7 @@ def test_home_is_commanded_and_answered(flight):
     flight.run(1.0)
     assert (answer.success, answer.message) == (True, "RTL commanded")
     assert flight.pilot.mode is FlightMode.RTL
-    alone = BridgeComponent(altitude_m=150.0, target_system=0, node_timeout_s=4.0)
+    alone = BridgeComponent(altitude_m=150.0)
     refused = alone.services[topics.RETURN_HOME](0.0)
     assert (refused.success, refused.outputs) == (False, [])
 

@@ -16,9 +16,9 @@ import numpy as np
 from sar_bridge.arduplane import l1_kernels
 from sar_bridge.arduplane.l1_kernels import LEAST_GAP_M, LEAST_SPEED_MPS, fly_and_loiter, is_passed
 from sar_bridge.arduplane.list_entry import Point, entry_of, places
+from sar_estimator.common.constants import G_MPS2
 from sar_estimator.common.states import FloatArray, Motion
 
-G_MPS2 = 9.81
 STEP_S = 0.5
 NEAR_M = 60.0
 ACCEL_MPS2 = 1.0

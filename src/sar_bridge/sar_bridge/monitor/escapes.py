@@ -18,7 +18,6 @@ from sar_bridge.monitor.helicopter_hypotheses import Future
 from sar_estimator.common.states import FloatArray, Motion
 
 TURNS_RAD = np.radians(np.arange(-150.0, 151.0, 30.0))
-CLIMB_MPS = 2.5
 AWAY_SHARE = 0.02
 
 
@@ -92,13 +91,13 @@ def ends(uav: Motion, reach_m: float) -> list[FloatArray]:
     return [here[None, :] + way[None, :] for way in reach]
 
 
-def climb_m(near: list[Apart], above_m: float, most_m: float) -> float:
+def climb_m(near: list[Apart], above_m: float, most_m: float, climb_mps: float) -> float:
     """Return how much to climb on a way [m]: ``most_m`` where that separates more, else nothing.
 
-    ``above_m``: the UAV's height above the helicopter [m].
+    ``above_m``: the UAV's height above the helicopter [m]. ``climb_mps``: its rate.
     """
     flat = np.min([distance for _, distance, _ in near], axis=0)
-    rise = np.minimum(CLIMB_MPS * STEP_S * np.arange(len(flat)), most_m)
+    rise = np.minimum(climb_mps * STEP_S * np.arange(len(flat)), most_m)
     held = float(np.hypot(flat, above_m).min())
     climbing = float(np.hypot(flat, above_m + rise).min())
     return most_m if climbing > held else 0.0

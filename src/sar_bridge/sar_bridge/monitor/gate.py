@@ -12,7 +12,6 @@ from sar_bridge.monitor.outlook import NO_APPROACH, ClosestApproach, Outlook
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.states import FloatArray, Motion
 
-BETTER_M = 5.0  # that a list must keep more than the one being flown, where both come too near
 FARTHEST_M = 100_000.0
 
 
@@ -58,7 +57,7 @@ class Gate:
             return ""
         held = flown or Route(np.empty((0, 2)), outlook.uav)
         before = self._near(held, futures, now_s, is_flown=flown is not None)
-        better = ahead.distance_m > before.distance_m + BETTER_M
+        better = ahead.distance_m > before.distance_m + self._p.better_list_m
         return "" if better else f"list refused: {ahead}"
 
     def _near(

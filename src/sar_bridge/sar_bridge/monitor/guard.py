@@ -14,9 +14,6 @@ from sar_bridge.monitor.outlook import ClosestApproach, Outlook
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.states import Phase
 
-BETTER_WAY_M = 15.0  # that another way out must be worth more, to change to it
-RECHOOSE_S = 2.0
-
 
 @dataclass(frozen=True, slots=True)
 class Look:
@@ -109,12 +106,12 @@ class Guard:
 
     def better_way(self, look: Look) -> Escape | None:
         """Return a way out that is clearly worth more than the one being flown, if it is time."""
-        waiting = look.now_s - self._chosen_s < RECHOOSE_S
+        waiting = look.now_s - self._chosen_s < self._p.rechoose_s
         if math.isfinite(self._clear_since_s) or waiting or self._outlook.unknown(look.now_s):
             return None
         self._chosen_s = look.now_s
         best, value_m = self._best_way(look)
-        return best if value_m > self._worth(look.near).value_m + BETTER_WAY_M else None
+        return best if value_m > self._worth(look.near).value_m + self._p.better_way_m else None
 
     def _worth(self, near: list[Apart]) -> Worth:
         """Return what a path is worth; where the helicopter is lost all that is possible lasts."""
@@ -136,5 +133,5 @@ class Guard:
             near = outlook.apart(np.vstack((flown[:-2], away)), look.futures)
             found.append((self._worth(near), near, end))
         best, near, end = max(found, key=lambda way: way[0].value_m)
-        climb = climb_m(near, outlook.above_m, p.escape_climb_m)
+        climb = climb_m(near, outlook.above_m, p.escape_climb_m, p.climb_mps)
         return Escape(look.now_s, end, climb, best.least_m), best.value_m

@@ -15,8 +15,6 @@ from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.states import FloatArray, Motion, Phase
 
-LED_MPS = 4.0  # from the helicopter's speed, within which a UAV is led by speed
-LED_S = 15.0  # over which its own is averaged
 PLANNED_SHARE = 0.2  # of the helicopter's speed, within which a list's own is believed
 
 
@@ -60,7 +58,7 @@ class Outlook:
     def set_uav(self, motion: Motion) -> None:
         """Take the UAV's newest motion."""
         if self.uav is not None and motion.time_s > self.uav.time_s:
-            share = -math.expm1((self.uav.time_s - motion.time_s) / LED_S)
+            share = -math.expm1((self.uav.time_s - motion.time_s) / self._p.matched_s)
             off = motion.speed_mps - self.helicopter.cruise_mps
             self._off_mps += share * (off - self._off_mps)
         self.uav = motion
@@ -99,10 +97,10 @@ class Outlook:
         """
         uav = self.uav
         assert uav is not None
-        led = not escaping and abs(self._off_mps) < LED_MPS
+        matched = not escaping and abs(self._off_mps) < self._p.matched_mps
         late_s = min(max(now_s - uav.time_s, 0.0), self._p.lost_s)
         skipped = round(late_s / STEP_S)
-        cruise_mps = self._led_mps(route, is_flown=is_flown) if led else None
+        cruise_mps = self._matched_mps(route, is_flown=is_flown) if matched else None
         return self.follow(uav, route, cruise_mps, horizon_s + skipped * STEP_S)[skipped:]
 
     def follow(
@@ -118,7 +116,7 @@ class Outlook:
             horizon_s=horizon_s,
         )
 
-    def _led_mps(self, route: Route, *, is_flown: bool) -> float:
+    def _matched_mps(self, route: Route, *, is_flown: bool) -> float:
         """Return the speed it is led with; one far from the helicopter's is not believed."""
         cruise, planned = self.helicopter.cruise_mps, route.speed_mps
         if planned is None or abs(planned - cruise) > PLANNED_SHARE * cruise:

@@ -40,6 +40,13 @@ class MonitorParameters:
     escape_reach_m: how far away an escape ends (in a loiter).
     stale_s: age of a position from which on no list passes.
     lost_s: nothing sure known of the helicopter for so long: the UAV is sent away.
+    matched_mps: from the helicopter's speed, within which the UAV is expected to go on at that.
+    matched_s: over which the UAV's speed is averaged for that.
+    better_list_m: that a list must keep more than the one being flown to pass, where both come too
+        near.
+    better_way_m: that another way out must be worth more, to change to it.
+    rechoose_s: for how long a way out is held to at least.
+    climb_mps: with which the UAV is expected to climb on a way out.
     watch_only: say all this and do nothing, to see what a planner does by itself.
     """
 
@@ -62,6 +69,12 @@ class MonitorParameters:
     escape_reach_m: NotNegative = 1500.0
     stale_s: NotNegative = 3.0
     lost_s: NotNegative = 15.0
+    matched_mps: NotNegative = 4.0
+    matched_s: Positive = 15.0
+    better_list_m: NotNegative = 5.0
+    better_way_m: NotNegative = 15.0
+    rechoose_s: NotNegative = 2.0
+    climb_mps: NotNegative = 2.5
     watch_only: bool = False
 
     def __post_init__(self) -> None:

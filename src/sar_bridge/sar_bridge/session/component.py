@@ -39,10 +39,19 @@ class BridgeComponent(Component):
     )
     period_s = 0.05
 
-    def __init__(self, *, altitude_m: float, target_system: int, node_timeout_s: float) -> None:
+    def __init__(
+        self,
+        *,
+        altitude_m: float,
+        target_system: int = 0,
+        node_timeout_s: float = 4.0,
+        link_timeout_s: float = 3.0,
+    ) -> None:
         """Fly lists at an altitude above home; see the node's parameters."""
         super().__init__()
-        self.session = AutopilotSession(altitude_m=altitude_m, target_system=target_system)
+        self.session = AutopilotSession(
+            altitude_m=altitude_m, target_system=target_system, link_timeout_s=link_timeout_s
+        )
         self.ros_s = 0.0
         self.link_breaks = 0
         self._liveness = Liveness(WATCHED, node_timeout_s)

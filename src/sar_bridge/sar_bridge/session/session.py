@@ -21,7 +21,6 @@ from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.reports import UavStatus
 
 HEARTBEAT_PERIOD_S = 1.0
-LINK_TIMEOUT_S = 3.0
 
 
 class AutopilotSession:
@@ -33,14 +32,20 @@ class AutopilotSession:
     failsafe acts.
     """
 
-    def __init__(self, *, altitude_m: float, target_system: int = 0) -> None:
-        """Fly lists at ``altitude_m`` above home; ``target_system`` 0 takes the first heard."""
+    def __init__(
+        self, *, altitude_m: float, target_system: int = 0, link_timeout_s: float = 3.0
+    ) -> None:
+        """Fly lists at ``altitude_m`` above home; ``target_system`` 0 takes the first heard.
+
+        ``link_timeout_s``: without a heartbeat, after which the autopilot is not heard any more.
+        """
         self.state = AutopilotState()
         self.transfer = ListTransfer(self.state, altitude_m=altitude_m)
         self.guard = ModeGuard()
         self.address: Address | None = None
         self.silent = ""
         self._wanted_system = target_system
+        self._link_timeout_s = link_timeout_s
         self._speed = SpeedCommand()
         self._streams = TelemetryStreams()
         self._commands: CommandQueue | None = None
@@ -185,7 +190,7 @@ class AutopilotSession:
 
     def connected(self, now_s: float) -> bool:
         """Whether the autopilot's heartbeat is fresh."""
-        return now_s - self.state.heartbeat_s < LINK_TIMEOUT_S
+        return now_s - self.state.heartbeat_s < self._link_timeout_s
 
     def status(self, now_s: float) -> UavStatus:
         """Return what the graph is to know of the autopilot at any time."""

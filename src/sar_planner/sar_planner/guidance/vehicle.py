@@ -6,12 +6,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from sar_estimator.common.constants import G_MPS2
 from sar_planner.guidance.l1_waypoints import L1Tuning
 from sar_planner.guidance.wind_triangle import AirEnvelope
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
-
-G_MPS2 = 9.80665
 
 
 @dataclass(frozen=True, slots=True)

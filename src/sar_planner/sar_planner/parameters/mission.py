@@ -56,6 +56,12 @@ class MissionParameters:
     separation_margin_m: planned beyond the least separation where that costs nothing
         (deadbeat).
     bias_gain: share of the newest corner in the extra path expected of the next (deadbeat).
+    off_path_m: beside its path, beyond which a UAV is not on it (deadbeat).
+    low_efficiency: share of its speed that a UAV makes good along its path, below which it begins a
+        corner with a lag (deadbeat).
+    detection_s: from a corner's onset to its detection, as a rule (deadbeat).
+    retry_s: from a list that did not pass, or a way that was not found, to the next try.
+    farthest_m: between the aircraft, beyond which nothing is planned.
     """
 
     turn_side: Side = 1
@@ -85,6 +91,11 @@ class MissionParameters:
     ahead_m: Positive = 60.0
     separation_margin_m: NotNegative = 15.0
     bias_gain: Share = 0.5
+    off_path_m: Positive = 20.0
+    low_efficiency: Share = 0.85
+    detection_s: NotNegative = 4.0
+    retry_s: NotNegative = 2.0
+    farthest_m: Positive = 20_000.0
 
     def __post_init__(self) -> None:
         """Refuse values that do not go together, naming them."""

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from sar_estimator.common.pose import Pose, wrap_angle
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.parameters.corner import CornerParameters
+from sar_planner.prediction.corner_cost import MOVING_MPS
 from sar_planner.prediction.forecast import Forecast, Stretch, cornering, cruising, departing
 
 STANDING_S = 600.0
 SURE_BEARING_M = 25.0
 SURE_ASIDE_M = 18.0
 TURNED_OTHERWISE_RAD = math.radians(20.0)
-MOVING_MPS = 3.0
 EXPECTED_SPEED_SIGMA_MPS = 0.7
 EXPECTED_HEADING_SIGMA_RAD = math.radians(2.0)
 EXPECTED_LINE_SIGMA_M = 4.0

@@ -9,14 +9,12 @@ from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Pha
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.paths.flight_path import CornerFrame
-from sar_planner.prediction.corner_cost import CornerCost
+from sar_planner.prediction.corner_cost import LEAST_TURN_RAD, MOVING_MPS, CornerCost
 from sar_planner.prediction.forecast import Forecast
 from sar_planner.prediction.helicopter_predictor import HelicopterPredictor
 
 CLOCK_STEP_S = 1.0
-MOVING_MPS = 3.0
 SAME_CORNER_S = 10.0
-LEAST_TURN_RAD = math.radians(40.0)
 STRAY_SIGMAS = 2.0
 
 

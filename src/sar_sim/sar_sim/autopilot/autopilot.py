@@ -15,12 +15,13 @@ from dataclasses import dataclass, replace
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_bridge.mavlink.mission_items import MissionItem
+from sar_estimator.common.constants import G_MPS2
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import Motion
 from sar_sim.autopilot.guidance import Guidance, Leg, Point
 from sar_sim.autopilot.presets import make_guidance
-from sar_sim.autopilot.uav import G_MPS2, UavState, ground_motion, step
+from sar_sim.autopilot.uav import UavState, ground_motion, step
 from sar_sim.scenario.scenario import Uav, Wind
 
 PLAIN, CALM = Uav(), Wind()

@@ -13,9 +13,9 @@ from typing import Protocol
 from sar_bridge.arduplane.l1_kernels import wrapped
 from sar_bridge.mavlink.mission_items import WHEREVER_M
 from sar_estimator.common.compiled import compiled
+from sar_estimator.common.constants import G_MPS2
 from sar_estimator.common.pose import wrap_angle
 from sar_estimator.common.states import Motion
-from sar_sim.autopilot.uav import G_MPS2
 
 Point = tuple[float, float]
 PAIR = "UniTuple(f8, 2)"

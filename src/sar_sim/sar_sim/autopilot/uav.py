@@ -10,7 +10,6 @@ from sar_bridge.arduplane.l1_kernels import wrapped
 from sar_estimator.common.compiled import compiled
 from sar_estimator.common.states import Motion
 
-G_MPS2 = 9.80665
 TINY_RAD = 1e-9
 
 

@@ -39,7 +39,7 @@ def _components() -> list[Component]:
         EstimatorComponent(EstimatorParameters()),
         PlannerComponent(CornerParameters(), MissionParameters()),
         MonitorComponent(MonitorParameters(), HelicopterModel()),
-        BridgeComponent(altitude_m=150.0, target_system=0, node_timeout_s=4.0),
+        BridgeComponent(altitude_m=150.0),
     ]
 
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sar_estimator.common.compiled import compiled
+from sar_estimator.common.constants import G_MPS2
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import FloatArray, Motion
 from sar_sim.scenario.scenario import Pattern, Pilot
@@ -28,7 +29,6 @@ from sar_sim.world.helicopter import (
 )
 
 STEP_S = 0.1
-GRAVITY_MPS2 = 9.80665
 WOBBLE_S = 1.5
 LEAST_ACCEL_MPS2 = 0.5
 EASE_S = 1.5
@@ -296,7 +296,7 @@ class HumanHelicopter:
         slow = _Series(speeds, np.zeros(speeds.size))
         turn = corner.turn_rad + next_error - error
         yaw = math.radians(pilot.yaw_rate_dps) if pilot.yaw_rate_dps > 0.0 else AT_ONCE_RAD_S
-        banked = GRAVITY_MPS2 * math.tan(math.radians(pilot.bank_deg))
+        banked = G_MPS2 * math.tan(math.radians(pilot.bank_deg))
         if corner.through_mps > pilot.pass_mps:
             yaw = AT_ONCE_RAD_S
         leave = math.radians(pilot.leave_early_deg)

@@ -13,10 +13,9 @@ from sar_planner.rules.corner_coverage import SweepAt
 from sar_planner.rules.paper_rules import Rule
 from sar_planner.strategies.active_corner import Mode
 from sar_planner.strategies.deadbeat.corner_planning import path_speed_mps
-from sar_planner.strategies.deadbeat.rejoining import RETRY_S, rejoin_plan, take
+from sar_planner.strategies.deadbeat.rejoining import rejoin_plan, take
 from sar_planner.strategies.deadbeat.state import (
     MARGIN_SHARE,
-    OFF_PATH_M,
     Decision,
     State,
     Tick,
@@ -40,7 +39,7 @@ def correct(state: State, tick: Tick, off_m: float, held_lag_m: float) -> Decisi
     from_m = min(old.flown_m + run_m, old.path.length_m)
     kept = old.path.cut(min(old.flown_m, old.path.length_m), from_m)
     begin = old.path.pose_at(from_m)
-    if off_m >= OFF_PATH_M:
+    if off_m >= tick.mission.off_path_m:
         begin = old.carried_on(tick.uav_in(old.frame), from_m)
         kept = FlightPath(begin, ())
     speed_mps = tick.expected.speed_mps
@@ -63,7 +62,7 @@ def correct(state: State, tick: Tick, off_m: float, held_lag_m: float) -> Decisi
     lag_m = final_lag_m(
         path, search.forecasts[0], start_s=search.start_s, speed_mps=search.speed_mps
     )
-    if off_m < OFF_PATH_M and abs(lag_m) > held_lag_m + tick.corner.spacing_m:
+    if off_m < tick.mission.off_path_m and abs(lag_m) > held_lag_m + tick.corner.spacing_m:
         return Decision(state)
     whole = frame.path_from_map(old.frame.path_to_map(kept)).then(path)
     begun_s = now_s if kept.segments else now_s + tick.mission.reaction_s
@@ -98,7 +97,7 @@ def _widest(search: Recapture, state: State, tick: Tick) -> Decision:
     old = state.path
     assert old is not None
     frame, now_s = tick.slot_frame, tick.now_s
-    state = replace(state, retry_s=now_s + RETRY_S)
+    state = replace(state, retry_s=now_s + tick.mission.retry_s)
     rest = old.path.cut(min(old.flown_m, old.path.length_m))
     kept_m = least_apart_m(
         rest,

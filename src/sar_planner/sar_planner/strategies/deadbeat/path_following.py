@@ -17,7 +17,6 @@ from sar_planner.strategies.deadbeat.correction import correct
 from sar_planner.strategies.deadbeat.leg_following import follow_leg
 from sar_planner.strategies.deadbeat.state import (
     MARGIN_SHARE,
-    OFF_PATH_M,
     WATCH_S,
     Decision,
     State,
@@ -57,7 +56,7 @@ def follow_path(state: State, tick: Tick) -> Decision:
     lag_m = final_lag_m(rest, forecasts[0], start_s=now_s, speed_mps=speed_mps)
     tolerance_m = max(tick.mission.lag_tolerance_m, tick.mission.far_tolerance * rest.length_m)
     settling = now_s - state.corrected_s < tick.mission.settling_s
-    fits = abs(lag_m) < tolerance_m and not moved and (settling or off_m < OFF_PATH_M)
+    fits = abs(lag_m) < tolerance_m and not moved and (settling or off_m < tick.mission.off_path_m)
     apart_m = least_apart_m(rest, forecasts, start_s=now_s, speed_mps=speed_mps)
     if off_m > BESIDE_M:
         now_m = beside_apart_m(rest, beside, forecasts, start_s=now_s, speed_mps=speed_mps)

@@ -12,12 +12,10 @@ from sar_planner.rejoin.tracked_path import TrackedPath
 from sar_planner.strategies.active_corner import Mode
 from sar_planner.strategies.deadbeat.state import Decision, State, Tick
 
-RETRY_S = 2.0
-
 
 def start_rejoining(state: State, tick: Tick) -> Decision:
     """Lead the UAV from anywhere onto the slot, at a speed of its own."""
-    state = replace(state, retry_s=tick.now_s + RETRY_S)
+    state = replace(state, retry_s=tick.now_s + tick.mission.retry_s)
     plan = rejoin_plan(state, tick)
     if plan is None:
         return Decision(replace(state, problem="no path back to the slot"), goes_on=True)

@@ -25,10 +25,7 @@ from sar_planner.rules.paper_rules import Rule
 from sar_planner.strategies.active_corner import ActiveCorner, Mode
 
 MARGIN_SHARE = 0.4  # of the margin: what a path that is flown may have lost of it
-POOR_SHARE = 0.85  # of its speed made good, below which a UAV needs a lag to begin a corner with
-OFF_PATH_M = 20.0  # beside its path, beyond which a UAV is not on it
 WATCH_S = 0.39  # between two looks: two decisions at 5 Hz, whatever their times round to
-DETECTION_S = 4.0  # from a corner's onset to its detection, as a rule
 
 NEEDS = {
     Mode.LEG: (False, False),
@@ -176,9 +173,9 @@ class Tick:
 
         0 where that is most of it; where not, a corner that is seen late cannot be flown without.
         """
-        if share >= POOR_SHARE:
+        if share >= self.mission.low_efficiency:
             return 0.0
-        lead_m = self.corner.speed_mps * (DETECTION_S + self.mission.reaction_s)
+        lead_m = self.corner.speed_mps * (self.mission.detection_s + self.mission.reaction_s)
         rules = DeadbeatRules(self.corner, path_efficiency=share)
         return least_lag_m(rules, lead_m=lead_m, separation_m=self.corner.separation_m)
 
