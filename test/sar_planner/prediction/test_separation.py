@@ -112,7 +112,7 @@ def test_every_paths_least_distance_is_what_a_fine_look_finds(lag, lead, path_ef
         flown += over * (P.speed_mps / speed - 1.0)
         gap = path.points(flown) - forecast.positions(times)
         least = float(np.hypot(*gap.T).min())
-        slack = sampling_slack_m(max(least, 50.0), P.turn_radius_m)
+        slack = sampling_slack_m(max(least, 1.0), P.turn_radius_m)
         assert least - 0.02 <= distance <= least + slack + 0.02
         if least > 100.0:
             enough = least_distances_m(

@@ -1,6 +1,5 @@
 """The deadbeat rules: at the paper's values for every lag, and over the ranges of parameters."""
 
-import itertools
 import math
 
 import numpy as np
@@ -9,13 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sar_planner.parameters.corner import CornerParameters, ParameterError
-from sar_planner.paths.slot_intercept import STRAIGHT_Q, STRAIGHT_Y, PathBatch
 from sar_planner.prediction.separation import closest_approach
-from sar_planner.rejoin.recapture import row_of
-from sar_planner.rules.deadbeat_automaton import DeadbeatAutomaton, check_deadbeat
+from sar_planner.rules.deadbeat_automaton import DeadbeatAutomaton
 from sar_planner.rules.deadbeat_rules import DeadbeatRules, least_lag_m
-from sar_planner.rules.paper_rules import NoPathError, Rule
-from sar_sim.report.coverage import ideal_tracks, swath
+from sar_planner.rules.paper_rules import NoPathError
 
 P = CornerParameters()
 AUTOMATON = DeadbeatAutomaton(P)
@@ -98,90 +94,6 @@ def test_guarantees_or_a_refusal_that_names_its_bound(speed, radius, accel, spac
             assert apart >= parameters.separation_m - 1e-6
             lag = plan.next_lag_m
         assert abs(lag) <= 0.5 or share not in np.linspace(-3.2, 5.6, 221)
-
-
-def test_refusal_names_parameter_value_and_bound():
-    with pytest.raises(ParameterError, match=r"turn_radius_m = 300: expected at most \d+"):
-        check_deadbeat(CornerParameters(turn_radius_m=300.0))
-    with pytest.raises(ParameterError, match=r"min_separation_m = 250.0: expected less than"):
-        check_deadbeat(CornerParameters(min_separation_m=250.0))
-
-
-def test_domains_partition_the_line_and_transitions_follow():
-    edges = [domain for _, domain in AUTOMATON.domains]
-    assert edges[0].low_m == -math.inf
-    assert edges[-1].high_m == math.inf
-    for one, other in itertools.pairwise(edges):
-        assert one.high_m == other.low_m
-        assert (one.high_m in one) != (one.high_m in other)
-    for rule, domain in AUTOMATON.domains:
-        middle = np.clip((max(domain.low_m, -799.0) + min(domain.high_m, 1399.0)) / 2, -799, 1399)
-        assert AUTOMATON.rule_for(float(middle)) is rule
-    for transition in AUTOMATON.transitions():
-        middle = 0.5 * (transition.lags.low_m + transition.lags.high_m)
-        plan = AUTOMATON.plan(middle)
-        assert plan.rule is transition.source
-        assert AUTOMATON.rule_for(plan.next_lag_m) is transition.target
-
-
-def test_graph_is_printed():
-    text = AUTOMATON.describe()
-    for word in (
-        "D1 cut corner",
-        "D2 adjustable curve",
-        "D4 weave",
-        "D1 -> D4",
-        "one corner leaves",
-    ):
-        assert word in text
-
-
-@pytest.mark.parametrize(
-    ("rule", "lag"), [(Rule.D1, 300.0), (Rule.D2, 0.0), (Rule.D3, -200.0), (Rule.D4, 0.0)]
-)
-def test_a_rule_can_be_forced(rule, lag):
-    assert AUTOMATON.plan(lag, only=rule).rule is rule
-
-
-def test_no_path_and_no_number():
-    with pytest.raises(NoPathError, match="no path keeps 2000 m"):
-        AUTOMATON.plan(0.0, separation_m=2000.0)
-    with pytest.raises(ValueError, match="expected a finite number"):
-        AUTOMATON.plan(math.nan)
-
-
-def test_a_weave_sees_what_a_late_curve_leaves_out():
-    """A curve that joins the new slot track far down it leaves the swath before uncovered."""
-    rules = DeadbeatRules(CornerParameters())
-    problem = rules.problem(0.0)
-    curves = rules.exact(problem, 110.0, (STRAIGHT_Y, STRAIGHT_Q))
-    late = curves.take(np.flatnonzero(curves.ends[:, 0] > 1000.0))
-    assert len(late) > 0
-    weave = rules.plan(0.0, lead_m=110.0, separation_m=200.0)
-    assert weave.rule is Rule.D4
-    headings = np.radians([[160.0, 23.0, 46.0]])
-    woven = rules.weaves(problem, 110.0, headings)
-    assert rules.uncovered_m2(woven).min() < 0.3 * rules.uncovered_m2(late).min()
-
-
-@pytest.mark.parametrize(
-    ("lead", "separation", "most_m2"), [(110, 200, 9e3), (110, 230, 27e3), (90, 230, 9e3)]
-)
-def test_what_a_corner_leaves_unseen(lead, separation, most_m2):
-    """Against an area by shapely, of both aircraft and the ideal swaths."""
-    plan = DeadbeatRules(P).plan(0.0, lead_m=float(lead), separation_m=float(separation))
-    reach = 2500.0
-    helicopter = np.array([(-reach, 0.0), (0.0, 0.0), (0.0, -reach)])
-    _, strip = ideal_tracks(helicopter, spacing_m=250.0, turn_side=1)
-    path = plan.path.sample(5.0)
-    flown = np.vstack(((-reach, -250.0), path, (-250.0, -reach)))
-    seen = swath(flown, 125.0).union(swath(helicopter, 125.0))
-    uncovered = swath(strip, 125.0).difference(seen).area
-    assert 0.0 < uncovered < most_m2
-    rules = DeadbeatRules(P)
-    row = row_of(rules._frame.path_from_map(plan.path))
-    batch = PathBatch(rules.problem(0.0).start, P.turn_radius_m, row[None, :])
-    assert rules.uncovered_m2(batch)[0] == pytest.approx(uncovered, rel=0.15, abs=1500.0)
 
 
 def test_a_uav_that_makes_little_good_needs_a_lag_to_take_out():
