@@ -1,0 +1,46 @@
+"""From anywhere onto the slot, with the widest separation that there is a way for."""
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from sar_planner.strategies.active_corner import Mode
+from sar_planner.strategies.deadbeat.rejoining import rejoin_plan, start_rejoining, take
+
+
+@settings(max_examples=20, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.floats(-900.0, 900.0), st.floats(-1200.0, -320.0))
+def test_a_way_back_begins_at_the_uav_and_ends_on_the_slot(tick_at, state, x, y):
+    tick = tick_at(x=x, y=y)
+    decision = start_rejoining(state, tick)
+    found = decision.state
+    assert found.mode is Mode.REJOIN
+    start, end = found.path.path.start, found.path.path.end
+    ahead = tick.uav_in(tick.slot_frame, tick.mission.reaction_s)
+    assert (start.x_m, start.y_m) == pytest.approx((ahead.x_m, ahead.y_m), abs=0.5)
+    assert (end.y_m, end.heading_rad) == pytest.approx((0.0, 0.0), abs=1e-3)
+    slowest, fastest = tick.speeds_mps
+    assert slowest - 1e-9 <= found.speed_mps <= fastest + 1e-9
+
+
+def test_the_whole_margin_is_kept_where_it_can_be(tick_at, state):
+    tick = tick_at(x=-700.0, y=-700.0)
+    plan = rejoin_plan(state, tick)
+    assert plan.kept
+    assert plan.closest_m >= tick.separations_m[0] - 1e-6
+
+
+def test_one_that_begins_too_near_is_told_with_what_it_keeps(tick_at, state):
+    decision = start_rejoining(state, tick_at(x=30.0, y=-60.0))
+    assert decision.state.mode is Mode.REJOIN
+    assert decision.state.path_problem.startswith("rejoining comes within ")
+
+
+def test_of_a_corner_that_it_ends_nothing_is_learnt(tick_at, state):
+    tick = tick_at(y=-400.0)
+    begun = state.efficiency.begun(20.0)
+
+    decision = take(rejoin_plan(state, tick), replace(state, efficiency=begun), tick)
+    assert decision.state.efficiency.corner is None
