@@ -260,3 +260,16 @@ def test_hooks_run_what_the_tests_run():
     for tool in ("ruff check", "ruff format --check", "mypy"):
         assert any(tool in entry for entry in entries)
         assert tool in script
+
+
+def test_the_hook_of_subjects_refuses_long_ones_alone():
+    hooks = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text(encoding="utf-8"))
+    (entry,) = (
+        hook["entry"]
+        for repo in hooks["repos"]
+        for hook in repo["hooks"]
+        if hook["id"] == "subject"
+    )
+    refused = re.compile(entry, re.MULTILINE)  # as pre-commit's pygrep matches a whole file
+    assert refused.search("s" * 73 + "\n")
+    assert not refused.search("s" * 72 + "\n\n" + "a body's line " * 9)

@@ -8,11 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sar_estimator.common.constants import G_MPS2
 from sar_planner.prediction.forecast import departing
 from sar_sim.scenario.presets import PILOTS
 from sar_sim.scenario.scenario import Pattern, Pilot
 from sar_sim.world.helicopter import PatternHelicopter
-from sar_sim.world.human_helicopter import GRAVITY_MPS2, HumanHelicopter, flown_by, slowing, wander
+from sar_sim.world.human_helicopter import HumanHelicopter, flown_by, slowing, wander
 
 V, A = 20.0, 2.5
 SQUARE = Pattern(first_leg_m=1500.0, corners=6)
@@ -113,7 +114,7 @@ def test_a_corner_that_is_passed_has_no_stop():
 def test_a_rolled_corner_is_turned_at_its_bank_and_costs_what_the_geometry_says():
     """V T_h = Y + Lambda, Lambda = 2V(V - v)/a + pi rho V/(2v) - x0, x0 = (V^2 - v^2)/2a + rho."""
     for v, rho in ((12.0, 40.0), (16.0, 75.0)):
-        bank = math.degrees(math.atan(v**2 / (GRAVITY_MPS2 * rho)))
+        bank = math.degrees(math.atan(v**2 / (G_MPS2 * rho)))
         helicopter = flown("robot", roll_share=1.0, roll_mps=v, bank_deg=bank)
         corner = helicopter.corners[0]
         x0 = (V**2 - v**2) / (2 * A) + rho
