@@ -35,7 +35,6 @@ def learnt(parts, *, turns=None, **how):
 def test_a_wide_turn_is_learnt_once_while_it_lasts(side):
     turns, times = learnt([(side * math.radians(115.0), 140.0)])
     assert times == 1
-    assert turns.news
     assert turns.radius_m == pytest.approx(1.1 * 140.0, rel=0.03)
 
 

@@ -36,14 +36,12 @@ class TurnRadius:
     """The radius that paths are planned with: the configured one, or what is learnt to be needed.
 
     ``radius_m``: never less than the configured radius, nor more than 0.8 of the spacing (or the
-    configured one where that is more): not far beyond, nothing is guaranteed. ``news``: learnt, and
-    nothing has been planned with it yet.
+    configured one where that is more): not far beyond, nothing is guaranteed.
     """
 
     def __init__(self, configured_m: float, spacing_m: float) -> None:
         """Believe what is configured."""
         self.radius_m = configured_m
-        self.news = False
         self._most_m = max(configured_m, MOST_SPACINGS * spacing_m)
         self._last: Motion | None = None
         self._side = 0.0
@@ -95,5 +93,5 @@ class TurnRadius:
         learnt = min(SPARE * self._held_m, self._most_m)
         if learnt <= self.radius_m:
             return False
-        self.radius_m, self.news = learnt, True
+        self.radius_m = learnt
         return True
