@@ -25,6 +25,7 @@ setup(
     entry_points={
         "console_scripts": [
             "estimator = sar_estimator.estimator_node:main",
+            "gps = sar_estimator.gps_node:main",
             "filter_track = sar_estimator.cli.filter_track:main",
         ],
     },

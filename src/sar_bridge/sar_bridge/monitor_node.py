@@ -25,7 +25,7 @@ class MonitorNodeParameters:
     guard_rate_hz: how often the list being flown is looked at.
     """
 
-    guard_rate_hz: Annotated[float, Field(gt=0.0, le=20.0)] = 2.0
+    guard_rate_hz: Annotated[float, Field(ge=1.0, le=50.0)] = 2.0
 
 
 PARAMETERS = (MonitorParameters, HelicopterModel, MonitorNodeParameters)

@@ -7,10 +7,10 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from sar_bridge.arduplane.l1_predictor import FollowerTuning
 from sar_bridge.mavlink.mission_items import WHEREVER_M, waypoint_items
 from sar_bridge.mission.mission_slots import (
-    BANK_STEP_ITEMS,
     CAPTURE_ITEMS,
     MOST_SLOT_ITEMS,
     SLOT_ITEMS,
+    SLOT_STEP_ITEMS,
     SLOTS,
     CaptureWaypoints,
     MissionSlots,
@@ -26,7 +26,7 @@ TUNING = FollowerTuning()
 
 
 def led_to(step):
-    """Return the item that a run-in leads to: two waypoints reached at once, and a jump."""
+    """Return the item that capture waypoints lead to: two waypoints reached at once, and a jump."""
     *reached, jump = step.items
     assert [item.command for item in reached] == [mavlink.MAV_CMD_NAV_WAYPOINT] * 2
     assert [item.params[1] for item in reached] == [WHEREVER_M] * 2
@@ -124,7 +124,7 @@ def test_banks_are_as_large_as_the_first_list_needs(count):
     slots, items = begun(row(count))
     size = (len(items) - 1) // SLOTS
     assert len(items) == 1 + SLOTS * size
-    assert count + CAPTURE_ITEMS < size <= max(SLOT_ITEMS, count + CAPTURE_ITEMS + BANK_STEP_ITEMS)
+    assert count + CAPTURE_ITEMS < size <= max(SLOT_ITEMS, count + CAPTURE_ITEMS + SLOT_STEP_ITEMS)
     assert slots.takes(row(size - CAPTURE_ITEMS - 1))
     assert not slots.takes(row(size - CAPTURE_ITEMS))
     assert slots.fill(LINE, DATUM, 1).start == 1 + size

@@ -64,7 +64,7 @@ def test_a_list_is_flown_leg_by_leg_from_where_it_is_entered(points, again):
 
 
 def test_without_a_run_in_a_turn_is_flown_far_aside():
-    """What the run-in is for: an item of the list that is simply made current."""
+    """What capture waypoints are for: an item of the list that is simply made current."""
     pilot, _ = flying()
     here = pilot.motion
     places = TURN + np.array((here.x_m, here.y_m))

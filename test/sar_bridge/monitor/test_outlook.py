@@ -1,4 +1,4 @@
-"""What the monitor knows and foretells of both aircraft."""
+"""What the monitor knows and predicts of both aircraft."""
 
 import math
 

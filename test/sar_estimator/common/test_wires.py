@@ -130,12 +130,24 @@ def status(**values):
     return to_status("it", values)
 
 
+def monitor(**changes):
+    return status(**{"alert": "none", "reason": "", "refused_id": 0, **changes})
+
+
+def flying(**changes):
+    return status(**{"mode": "AUTO", "armed": True, "connected": True, **changes})
+
+
 @pytest.mark.parametrize(
     ("topic", "message", "expected"),
     [
-        (topics.MONITOR, status(refused_id="some"), "it.refused_id = 'some': expected a whole num"),
-        (topics.MONITOR, status(counts=3), "it.counts = '3': expected a mapping"),
-        (topics.UAV_STATE, status(armed="perhaps"), "it.armed = 'perhaps': expected true or false"),
+        (
+            topics.MONITOR,
+            monitor(refused_id="some"),
+            "it.refused_id = 'some': expected a whole num",
+        ),
+        (topics.MONITOR, monitor(counts=3), "it.counts = '3': expected a mapping"),
+        (topics.UAV_STATE, flying(armed="perhaps"), "it.armed = 'perhaps': expected true or false"),
         (topics.AUTOPILOT, status(WP_RADIUS="wide"), "it.WP_RADIUS = 'wide': expected a number"),
         (topics.AUTOPILOT, status(WP_RADIUS=math.nan), "it.WP_RADIUS = 'nan': expected a number"),
         (topics.UPLOADED, status(waypoints=3), "it.list_id: missing"),
@@ -158,7 +170,7 @@ def test_status_of_an_older_bridge_has_no_airspeed_ratio():
 @pytest.mark.parametrize("ratio", [0, -1.0, math.nan, 3, "one"])
 def test_an_airspeed_ratio_that_cannot_be_is_refused(ratio):
     with pytest.raises(ValueError, match=r"it\.airspeed_ratio = .*: expected"):
-        WIRES[topics.UAV_STATE].from_message(status(mode="AUTO", airspeed_ratio=ratio))
+        WIRES[topics.UAV_STATE].from_message(flying(airspeed_ratio=ratio))
 
 
 @pytest.mark.parametrize(
@@ -175,6 +187,29 @@ def test_a_link_that_is_dead_is_an_error():
     for connected, level in ((True, b"\x00"), (False, b"\x02")):
         told = WIRES[topics.UAV_STATE].to_message(UavStatus("AUTO", connected=connected), 0.0)
         assert told.level == level
+
+
+@pytest.mark.parametrize("topic", [topics.UAV_STATE, topics.MONITOR])
+def test_a_status_of_something_else_is_not_taken_for_one_that_says_nothing(topic):
+    whole = WIRES[topic].to_message(VALUES[topic], 0.0)
+    for message in (status(), status(voltage=12.0)):
+        with pytest.raises(ValueError, match=r"^it\.\w+: missing$"):
+            WIRES[topic].from_message(message)
+    del whole.values[0]
+    with pytest.raises(ValueError, match="missing"):
+        WIRES[topic].from_message(whole)
+
+
+def test_attitude_and_climb_are_in_the_uavs_odometry():
+    flown = UavReport(Motion(12.5, 1.0, 2.0, 15.0, -9.0), 0.7, 150.0, 0.1, -0.4, 1.5)
+    message = WIRES[topics.UAV_ODOMETRY].to_message(flown, 0.0)
+    q = message.pose.pose.orientation
+    roll = math.atan2(2.0 * (q.w * q.x + q.y * q.z), 1.0 - 2.0 * (q.x**2 + q.y**2))
+    pitch = math.asin(2.0 * (q.w * q.y - q.z * q.x))
+    assert WIRES[topics.UAV_ODOMETRY].from_message(message).yaw_rad == pytest.approx(0.7)
+    assert message.twist.twist.linear.z == 1.5
+    assert abs(roll) == pytest.approx(0.4)
+    assert abs(pitch) == pytest.approx(0.1)
 
 
 def test_a_withdrawal_is_a_list_without_points():

@@ -39,7 +39,7 @@ def situation(phase, helicopter, *, side=1, leg=None, corner=None):
     return known
 
 
-def test_nothing_is_foretold_of_a_helicopter_that_is_lost_or_not_understood():
+def test_nothing_is_predicted_of_a_helicopter_that_is_lost_or_not_understood():
     assert Situation(CornerParameters(), 1).forecasts(0.0) == ()
     at_rest = Motion(0.0, 0.0, 0.0, 0.0, 0.0)
     for phase in Phase:
@@ -147,7 +147,7 @@ def test_the_corner_may_be_told_before_the_phase():
     assert early[0].leg.heading_rad == pytest.approx(-math.pi / 2.0)
 
 
-def test_a_corner_not_foretold_yet_is_not_taken_for_the_one_before():
+def test_a_corner_not_predicted_yet_is_not_taken_for_the_one_before():
     leg = LegEstimate(200.0, Pose(80.0, -1500.0, -math.pi / 2.0), 20.0, 0.5, 0.001, 0.05)
     before = estimate(time_s=104.0, stop_time_s=108.0)
     known = situation(

@@ -11,6 +11,7 @@ from sar_estimator.common.pose import Pose
 from sar_planner.paths.slot_intercept import InterceptProblem, PathBatch, turn_to
 from sar_planner.prediction.forecast import cornering, cruising, departing
 from sar_planner.prediction.separation import closest_over_time
+from sar_planner.rejoin import rejoin as rejoining
 from sar_planner.rejoin.rejoin import RejoinTask, _Found, _Search, rejoin
 from sar_sim.trials.rejoin_bound.bound import unhindered_s
 
@@ -72,6 +73,18 @@ def test_no_room_is_said():
     plan = rejoin(task(Pose(-150.0, 250.0, 0.0)))
     assert not plan.kept
     assert plan.closest_m < 200.0
+
+
+@pytest.mark.parametrize("x", [-150.0, -60.0, 40.0, 120.0])
+def test_where_nothing_keeps_the_separation_no_word_keeps_more(x):
+    """Words and intercepts are both looked at for the way that stays the farthest away."""
+    near = task(Pose(x, 250.0, 0.0))
+    plan = rejoin(near)
+    assert not plan.kept
+    search = rejoining._Search(near)
+    words = rejoining._Found(*rejoining.timed_words(near))
+    best = rejoining._farthest(search, words)
+    assert best is None or plan.closest_m >= best.closest_m - 1.0
 
 
 def test_a_word_that_fits_for_a_moment_only_is_found():

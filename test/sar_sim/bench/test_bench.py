@@ -6,6 +6,9 @@ import time
 
 import pytest
 
+from sar_estimator.common import topics
+from sar_estimator.common.reports import Uploaded
+from sar_estimator.common.wires import WIRES
 from sar_sim.bench import bench_cli
 from sar_sim.bench.bench import (
     Figure,
@@ -17,6 +20,7 @@ from sar_sim.bench.bench import (
     pace,
     private_kb,
 )
+from sar_sim.bench.probe_node import Probe
 
 
 def test_a_figure_is_met_or_not():
@@ -133,3 +137,12 @@ def test_a_bare_chain_passes_on(monkeypatch, own_domain):
     found = bare_delays_s(items=10)
     assert len(found) >= 3
     assert all(0.0 < one < 2.0 for one in found)
+
+
+def test_the_probe_notes_lists_that_were_accepted():
+    probe = Probe.__new__(Probe)
+    probe.accepted_s, probe.waypoints = {}, []
+    wire = WIRES[topics.UPLOADED]
+    probe._on_accepted(wire.to_message(Uploaded(12_500_000_001, 40, 210.0), 0.0))
+    assert list(probe.accepted_s) == [12_500_000_001]
+    assert probe.waypoints == [40]

@@ -46,6 +46,20 @@ def test_a_real_flight_simulates_nothing():
     assert "datum_latitude_deg" not in nodes["estimator"]
 
 
+def test_a_receiver_of_ones_own_is_read_before_everything_else():
+    real = FlightOptions("topic", "/dev/ttyUSB0,57600", simulation=False, gps="/dev/ttyACM0,38400")
+    nodes = plan(real, {"gps": {"uere_m": 4.0}})
+    assert list(nodes)[:3] == ["record", "gps", "estimator"]
+    assert nodes["gps"] == {
+        "receiver": "/dev/ttyACM0,38400",
+        "uere_m": 4.0,
+        "use_sim_time": False,
+    }
+    assert "gps" not in plan(FlightOptions("topic"))
+    with pytest.raises(ScenarioError, match=r"--gps gpsd:h: expected no --helicopter flight.csv"):
+        FlightOptions("flight.csv", gps="gpsd:h")
+
+
 def test_live_helicopter_with_the_simulated_uav():
     nodes = plan(FlightOptions("topic"))
     assert nodes["sim"]["live_helicopter"]
@@ -72,7 +86,10 @@ def test_recorded_track():
             },
             "--watch-only: expected a simulation",
         ),
-        ({"simulation": False, "autopilot": "udp:1.2.3.4:5"}, "--no-sim: expected --helicopter"),
+        (
+            {"simulation": False, "autopilot": "udp:1.2.3.4:5"},
+            "--no-sim: expected --gps URL, or --helicopter topic",
+        ),
         (
             {"simulation": False, "autopilot": "udp:1.2.3.4:5", "helicopter": "a.csv"},
             "--no-sim: exp",

@@ -53,6 +53,7 @@ def test_paper_scenario_is_the_default():
         ("uav: {min_radius_m: 150}", "uav.min_radius_m = 150.0: expected not more than"),
         ("datum: {latitude_deg: 95, longitude_deg: 0}", "datum 95.0, 0.0"),
         ("datum: {latitude_deg: 5}", "datum.longitude_deg: missing"),
+        ("datum: {place: 5}", "datum.place: unknown key, expected one of latitude_deg, longitude"),
         ("sensor: {footprint: star}", "sensor.footprint = 'star': expected disc or square"),
         ("wind: {speed_mps: true}", "wind.speed_mps = True: expected a number"),
         ("faults: {}", "faults = {}: expected a list"),

@@ -35,7 +35,7 @@ from sar_estimator.common.states import Motion
 
 SLOTS = 3
 SLOT_ITEMS = 64
-BANK_STEP_ITEMS = 16
+SLOT_STEP_ITEMS = 16
 MOST_SLOT_ITEMS = 224  # what every board that flies ArduPlane holds: some 700 items
 NEAR_M = 25.0
 GAP_M = 10.0
@@ -119,8 +119,8 @@ class MissionSlots:
         self._points = [np.empty((0, 2))] * SLOTS
         self._points[0], self._altitudes_m[0] = points, altitude
         self._filled, self._jump_at, self._entered = 0, None, NOWHERE
-        steps = -(-_needed(points) // BANK_STEP_ITEMS)
-        self._size = max(SLOT_ITEMS, steps * BANK_STEP_ITEMS)
+        steps = -(-_needed(points) // SLOT_STEP_ITEMS)
+        self._size = max(SLOT_ITEMS, steps * SLOT_STEP_ITEMS)
         self._led_to = 0 if self._size <= MOST_SLOT_ITEMS else None
         if self._led_to is None:
             return items

@@ -1,4 +1,4 @@
-"""What the monitor knows of both aircraft, and what it foretells of them."""
+"""What the monitor knows of both aircraft, and what it predicts of them."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class Sent:
 
 
 class ListTransfer:
-    """Takes the newest list to the autopilot: into a bank of its mission, or as a whole one.
+    """Takes the newest list to the autopilot: into a slot of its mission, or as a whole one.
 
     ``wanted``: the list that is to be flown, None for none. ``accepted``: the newest one that was
     taken. ``ros_s``: the time by which the UAV flies, to be set.
@@ -110,7 +110,7 @@ class ListTransfer:
         self._slots.forget()
 
     def start(self, now_s: float) -> Messages:
-        """Upload the newest list: into a bank of the mission being flown, or as a whole mission."""
+        """Upload the newest list: into a slot of the mission being flown, or as a whole mission."""
         upload, wanted = self.upload, self.wanted
         if upload is None or wanted is None:
             return []

@@ -7,10 +7,10 @@ import csv
 import math
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import zip_longest
 from pathlib import Path
 
+from sar_estimator.common.checked import changed
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.track_csv import read_track, read_velocities
@@ -103,7 +103,7 @@ def main(argv: list[str] | None = None) -> int:
     try:
         parameters = EstimatorParameters()
         if args.sigma is not None:
-            parameters = replace(parameters, default_fix_sigma_m=args.sigma)
+            parameters = changed(parameters, default_fix_sigma_m=args.sigma)
         datum = Datum(*args.datum) if args.datum else None
         estimator = HelicopterEstimator(parameters, datum)
         velocities = read_velocities(args.track) if math.isfinite(args.velocity_sigma) else ()

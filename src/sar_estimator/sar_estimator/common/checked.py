@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from functools import cache
 from typing import (
     Annotated,
@@ -105,7 +105,7 @@ def read(kind: type[T], values: object, where: str = "", *, texts: bool = False)
         text = json.dumps(values, default=str)
         found: T = _adapter(cast("Hashable", kind)).validate_json(text, strict=not texts)
     except ValidationError as error:
-        raise ValueError(_line(kind, error.errors()[0], where)) from error
+        raise ValueError(_line(kind, _worst(error), where)) from error
     except (TypeError, ValueError) as error:
         raise ValueError(f"{where}: {error}: expected texts for keys") from error
     return found
@@ -129,6 +129,13 @@ def choices_of(kind: type[Any]) -> dict[str, tuple[Any, ...]]:
     return {name: get_args(one) for name, one in bare.items() if get_origin(one) is Literal}
 
 
+def _worst(error: ValidationError) -> Any:
+    """Return what is told of all that is wrong: a key that is unknown, else the first thing."""
+    found = error.errors()
+    unknown = (one for one in found if one["type"] == "unexpected_keyword_argument")
+    return next(unknown, found[0])
+
+
 def _line(kind: Any, error: Any, where: str) -> str:
     """Return what is wrong in one line."""
     what, loc = error["type"], error["loc"]
@@ -138,8 +145,8 @@ def _line(kind: Any, error: Any, where: str) -> str:
     if what == "missing":
         return f"{key}: missing"
     if what == "unexpected_keyword_argument":
-        known = ", ".join(get_type_hints(_bare(_at(kind, loc[:-1]))))
-        return f"{key}: unknown key, expected one of {known}"
+        known = (item.name for item in fields(_bare(_at(kind, loc[:-1]))))
+        return f"{key}: unknown key, expected one of {', '.join(known)}"
     if what == "value_error":
         return ".".join(filter(None, (key, str(error["ctx"]["error"]))))
     return f"{key or 'it'} = {error['input']!r}: expected {_expected(_at(kind, loc), error)}"

@@ -14,6 +14,8 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 HARDWARE = "sar_formation"
+DEEPEST = 8
+"""How many mappings a key may be within; further dots belong to the name."""
 
 
 class Level(IntEnum):
@@ -44,13 +46,16 @@ def values_of(status: Any) -> dict[str, Any]:
     """
     found: dict[str, Any] = {}
     for item in status.values:
-        *path, last = item.key.split(".")
+        *path, last = item.key.split(".", DEEPEST)
         inside = found
         for part in path:
             inside = inside.setdefault(part, {})
             if isinstance(inside, str):
                 text = f"{item.key} = {item.value!r}: expected no value beside it at {part}"
                 raise ValueError(text)  # noqa: TRY004 - of what was received, not of a type
+        if isinstance(inside.get(last), dict):
+            text = f"{item.key} = {item.value!r}: expected no value beside those in it"
+            raise ValueError(text)  # noqa: TRY004 - likewise
         inside[last] = item.value
     return {key: _with_lists(value) for key, value in found.items()}
 

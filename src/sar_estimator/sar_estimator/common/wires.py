@@ -86,9 +86,20 @@ def _newest(carry: Callable[[Any], Any]) -> Callable[[Any], Any]:
     return once
 
 
-def reader(kind: Any) -> Callable[[DiagnosticStatus], Any]:
-    """Return what reads a status as ``kind``."""
-    return lambda status: read(kind, values_of(status), status.name, texts=True)
+def reader(kind: Any, *needed: str) -> Callable[[DiagnosticStatus], Any]:
+    """Return what reads a status as ``kind``; ``needed``: keys that it must have.
+
+    A status without them is of something else, and must not be taken for one that says nothing.
+    """
+
+    def from_status(status: DiagnosticStatus) -> Any:
+        values = values_of(status)
+        for key in needed:
+            if key not in values:
+                raise ValueError(f"{status.name}.{key}: missing")
+        return read(kind, values, status.name, texts=True)
+
+    return from_status
 
 
 def _text(value: object, _time_s: float) -> String:
@@ -288,7 +299,7 @@ WIRES: dict[str, Wire] = {
         DiagnosticStatus,
         LATCHED,
         _status_message,
-        reader(UavStatus),
+        reader(UavStatus, "mode", "armed", "connected"),
         _same,
     ),
     topics.AUTOPILOT: Wire(
@@ -375,7 +386,7 @@ WIRES: dict[str, Wire] = {
         DiagnosticStatus,
         LATCHED,
         _monitor_message,
-        reader(MonitorReport),
+        reader(MonitorReport, "alert", "reason", "refused_id"),
         _same,
     ),
     topics.DIAGNOSTICS: Wire(

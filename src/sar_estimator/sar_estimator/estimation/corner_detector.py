@@ -113,7 +113,7 @@ class Watch(NamedTuple):
 
     ``slowing``, ``turning``: log Bayes factors of a slow-down and of a rolled turn, against all
     else that is no corner. ``turn_mps2``: the turn's acceleration across, left positive.
-    ``misfit``: how badly the leg alone foretells the rows, in standard deviations. ``means``,
+    ``misfit``: how badly the leg alone predicts the rows, in standard deviations. ``means``,
     ``covariance``: the leg's belief at the last row, as if no corner had begun.
     """
 

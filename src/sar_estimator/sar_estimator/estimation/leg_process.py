@@ -9,7 +9,7 @@ z (Gelb 1974, *Applied Optimal Estimation*, section 3.8),
 whose velocity u = w' has a standard deviation that says how the pilot flies: some cm/s of a robot,
 0.5 m/s of a gentle pilot, more of a rough one. It is not known, nor how good a receiver's positions
 are from one to the next. Kalman filters with every pair of both run side by side; how well each
-foretells the measurements is what is believed of it (multiple models; Bar-Shalom, Li & Kirubarajan
+predicts the measurements is what is believed of it (multiple models; Bar-Shalom, Li & Kirubarajan
 2001, section 11.6), with a memory of some minutes that goes on from one leg to the next.
 
 State of one axis: p [m], v [m/s], w [m], u [m/s]. Both axes have one covariance: positions are

@@ -68,5 +68,5 @@ class AirEnvelope:
         needed = np.hypot(wanted_mps - along, across)
         airspeed = np.clip(needed, self.slowest_mps, self.fastest_mps)
         ahead = np.sqrt(np.maximum(airspeed**2 - across**2, 0.0))
-        path_efficiency = np.where(np.abs(across) < airspeed, np.maximum(along + ahead, 0.0), 0.0)
-        return np.where(airspeed == needed, wanted_mps, path_efficiency)
+        reached_mps = np.where(np.abs(across) < airspeed, np.maximum(along + ahead, 0.0), 0.0)
+        return np.where(airspeed == needed, wanted_mps, reached_mps)

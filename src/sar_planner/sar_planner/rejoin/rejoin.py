@@ -428,9 +428,9 @@ def _one_search(task: RejoinTask) -> tuple[RejoinPlan | None, float, bool]:
         first = search.soonest(*kind, headings, first_s)
         first_s = first_s if first is None else first.time_s
     if first_s == math.inf:
-        found = search.intercepts()
+        others = search.intercepts()
         everything = _Found(
-            np.vstack((found.rows, found.rows)), np.concatenate((found.speeds, found.speeds))
+            np.vstack((found.rows, others.rows)), np.concatenate((found.speeds, others.speeds))
         )
         return _farthest(search, everything), soonest, False
     begun = [search.soonest(*kind, headings, REFINED_SHARE * first_s) for kind in kinds]

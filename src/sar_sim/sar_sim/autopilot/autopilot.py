@@ -219,7 +219,7 @@ class SimAutopilot:
         """From now on, turn with this radius [m] at the tightest: of the kinematic model only."""
         self._limits = replace(self._limits, min_radius_m=radius_m)
 
-    def _path_efficiency(self, dt_s: float) -> float:
+    def _flown_s(self, dt_s: float) -> float:
         """Return how long it would take to fly what is made good of ``dt_s`` [s]."""
         if self._owed_m <= 0.0:
             return dt_s
@@ -245,7 +245,7 @@ class SimAutopilot:
         indicated = min(max(self.airspeed_mps, uav.airspeed_min_mps), uav.airspeed_max_mps)
         self.state = step(
             self.state,
-            self._path_efficiency(dt_s),
+            self._flown_s(dt_s),
             turn_rate_radps=self._demand_radps,
             airspeed_mps=uav.airspeed_ratio * indicated,
             limits=self._limits,

@@ -32,7 +32,7 @@ class AutopilotLink:
         faults: list[Fault] | None = None,
         seed: int = 0,
     ) -> None:
-        """Send to a ground station at UDP ``port`` of loopback; ``faults`` inject it."""
+        """Send to a ground station at UDP ``port`` of loopback; ``faults``: what is injected."""
         self._server, self._clock = server, clock
         self._radio = FaultyRadio(faults or [], seed)
         self._faults = AutopilotFaults(faults or [])

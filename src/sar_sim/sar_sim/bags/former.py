@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
+from rosbags.interfaces import Connection
 
 from sar_estimator.common import topics
 from sar_estimator.common.conversions import points_to_path
@@ -18,6 +19,19 @@ RENAMED = {"corner_hurry": "corner_speed_up", "led": "tracking_list"}
 """Keys by their former names."""
 
 Message = tuple[str, Any]
+
+
+def is_former(connection: Connection) -> bool:
+    """Whether a bag's topic carries JSON that is something else now."""
+    return connection.msgtype == JSON_KIND and connection.topic in FORMER
+
+
+def now_on(connection: Connection) -> tuple[str, ...]:
+    """Return the topics that a former one's messages are on now, none for another."""
+    if not is_former(connection):
+        return ()
+    more = (topics.CORNER_PATH,) if connection.topic == topics.CORNER_PLAN else ()
+    return (connection.topic, *more)
 
 
 def as_now(topic: str, kind: str, message: Any) -> Iterator[Message]:

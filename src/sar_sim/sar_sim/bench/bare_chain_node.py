@@ -1,7 +1,7 @@
 """A chain of nodes that do nothing but pass on: what ``bench`` compares the graph's delays with.
 
 fix -> Odometry -> Path -> Path -> as many datagrams there and back as a mission has items ->
-String, each hop a process of its own, with the graph's message types.
+DiagnosticStatus, each hop a process of its own, with the graph's message types.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ import sys
 import threading
 from typing import Any
 
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.node import Node
 from sensor_msgs.msg import NavSatFix
-from std_msgs.msg import String
 
 from sar_estimator.common.node_support import RELIABLE, run_node
 
@@ -24,6 +24,7 @@ FIX, ODOMETRY, LISTED, CLEARED, ACCEPTED = (
     f"/bare/{name}" for name in ("fix", "odometry", "list", "cleared", "accepted")
 )
 TIMEOUT_S = 2.0
+NANOSECONDS = 1_000_000_000
 DATAGRAM = b"x" * 50
 
 
@@ -43,7 +44,7 @@ class BareNode(Node):
             "estimator": (NavSatFix, FIX, Odometry, ODOMETRY, self._odometry),
             "planner": (Odometry, ODOMETRY, Path, LISTED, self._list),
             "monitor": (Path, LISTED, Path, CLEARED, self._same),
-            "bridge": (Path, CLEARED, String, ACCEPTED, self._upload),
+            "bridge": (Path, CLEARED, DiagnosticStatus, ACCEPTED, self._upload),
         }[hop]
         self._items = items
         self._sender = self.create_publisher(out, target, RELIABLE)
@@ -70,12 +71,15 @@ class BareNode(Node):
     def _same(message: Path) -> Path:
         return message
 
-    def _upload(self, message: Path) -> String:
+    def _upload(self, message: Path) -> DiagnosticStatus:
         for _ in message.poses:
             self._socket.sendto(DATAGRAM, self._peer.getsockname())
             self._socket.recvfrom(1024)
         stamp = message.header.stamp
-        return String(data=f"{stamp.sec}.{stamp.nanosec:09d}")
+        list_id = str(stamp.sec * NANOSECONDS + stamp.nanosec)
+        values = {"list_id": list_id, "waypoints": "71", "upload_ms": "200.0"}
+        found = [KeyValue(key=key, value=value) for key, value in values.items()]
+        return DiagnosticStatus(name="uploaded", message="ok", values=found)
 
 
 def main(argv: list[str] | None = None) -> int:

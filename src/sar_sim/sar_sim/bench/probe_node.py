@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import struct
 import subprocess
 import sys
@@ -12,15 +11,17 @@ from typing import Any
 
 import numpy as np
 import rclpy
+from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Path as PathMessage
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import NavSatFix
-from std_msgs.msg import String
 
 from sar_estimator.common import topics
+from sar_estimator.common.component_node import subscribe
 from sar_estimator.common.conversions import NANOSECONDS, from_stamp, to_stamp
 from sar_estimator.common.node_support import LATCHED, RELIABLE, start_ros
+from sar_estimator.common.wires import WIRES
 from sar_sim.bench.bare_chain_node import ACCEPTED, FIX
 from sar_sim.bench.bench import delays, pace
 from sar_sim.jobs.processes import end_flight, start_flight
@@ -53,9 +54,8 @@ class Probe(Node):
         self.create_subscription(NavSatFix, topics.FIX, self._on_fix, qos_profile_sensor_data)
         waypoints = topics.name_of(topics.WAYPOINTS)
         self.create_subscription(PathMessage, waypoints, self._on_list, LATCHED, raw=True)
-        uploaded = topics.name_of(topics.UPLOADED)
-        self.create_subscription(String, uploaded, self._on_accepted, RELIABLE)
-        self.create_subscription(String, ACCEPTED, self._on_bare, RELIABLE)
+        subscribe(self, topics.UPLOADED, self._on_accepted)
+        self.create_subscription(DiagnosticStatus, ACCEPTED, self._on_bare, RELIABLE)
 
     def _on_fix(self, message: Any) -> None:
         self.fixes.append((time.perf_counter(), from_stamp(message.header.stamp)))
@@ -66,9 +66,9 @@ class Probe(Node):
         self.lists_s[sec * NANOSECONDS + nanosec] = time.perf_counter()
 
     def _on_accepted(self, message: Any) -> None:
-        told = json.loads(message.data)
-        self.accepted_s[int(told["list_id"])] = time.perf_counter()
-        self.waypoints.append(int(told["waypoints"]))
+        uploaded = WIRES[topics.UPLOADED].from_message(message)
+        self.accepted_s[uploaded.list_id] = time.perf_counter()
+        self.waypoints.append(uploaded.waypoints)
 
     def _on_bare(self, _message: Any) -> None:
         self.bare_s.append(time.perf_counter() - self._sent_s)

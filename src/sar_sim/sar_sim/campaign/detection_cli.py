@@ -9,6 +9,8 @@ from functools import partial
 
 import numpy as np
 
+from sar_estimator.common.checked import changed
+from sar_planner.parameters.corner import CornerParameters
 from sar_sim.campaign.detection import (
     Watched,
     corner_flight,
@@ -73,7 +75,7 @@ HEADER = (
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run the study and print its table."""
+    """Run the study and print its table; 2 on bad input."""
     parser = argparse.ArgumentParser(prog="detection", description=__doc__)
     parser.add_argument("--squares", type=int, default=25, help="of eight corners, flown")
     parser.add_argument("--hours", type=int, default=20, help="of straight flight, h")
@@ -84,6 +86,12 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--accel", type=float, default=2.5, help="a, m/s^2")
     parser.add_argument("--jobs", type=int, help="processes")
     args = parser.parse_args(argv)
+    try:
+        changed(Gps(), rate_hz=args.rate)
+        changed(CornerParameters(), speed_mps=args.speed, accel_mps2=args.accel)
+    except ValueError as error:
+        sys.stderr.write(f"detection: {error}\n")
+        return 2
     sys.stdout.write(f"{HEADER}\n")
     with Workers(args.jobs) as workers:
         for pilot in args.pilots:

@@ -168,7 +168,7 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
     return Mission(
         scenario.gps.seed,
         tuple(seen.lags_m),
-        tuple(_foretold(corner, planned.values()) for corner in world.corners),
+        tuple(_first_predicted_s(corner, planned.values()) for corner in world.corners),
         tuple(str(planned[k].plan.rule) for k in sorted(planned)),
         seen.separation_m,
         seen.separation_s,
@@ -186,7 +186,7 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
     )
 
 
-def _foretold(corner: CornerTruth, planned: Iterable[ActiveCorner]) -> float:
+def _first_predicted_s(corner: CornerTruth, planned: Iterable[ActiveCorner]) -> float:
     """Return L(k+1) as it was planned last for a corner [m], NaN where it was not planned.
 
     By the time of its onset: the planner also counts corners that it predicted in vain.

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from sar_estimator.common import topics
+from sar_estimator.common.checked import changed
 from sar_estimator.estimation.parameters import VELOCITY_SIGMA_MPS, EstimatorParameters
 from sar_sim.bags.bag import BAG_ERRORS, BagWriter, open_bag, read_messages
 from sar_sim.flight.replay import (
@@ -94,7 +95,7 @@ def main(argv: list[str] | None = None) -> int:
         found, events = replayed(
             args.bag,
             Tolerance(args.tolerance, args.time_tolerance),
-            estimator=EstimatorParameters(default_fix_sigma_m=args.fix_sigma),
+            estimator=changed(EstimatorParameters(), default_fix_sigma_m=args.fix_sigma),
             velocity_sigma_mps=args.velocity_sigma,
         )
         if args.reference is not None:

@@ -69,7 +69,7 @@ def load_list(
     *,
     climb_m: float = 0.0,
 ) -> None:
-    """Put a list, shape (n, 2) [m], into its bank and lead over to it, as the bridge does."""
+    """Put a list, shape (n, 2) [m], into its slot and lead over to it, as the bridge does."""
     if autopilot.mode is not FlightMode.AUTO or not slots.takes(points):
         autopilot.load(slots.whole(points, datum, climb_m=climb_m))
         autopilot.set_current(first_ahead(points, autopilot.motion) + 1)

@@ -17,6 +17,7 @@ from ament_index_python.packages import get_package_prefix
 from sar_bridge.mavlink.link import opener
 from sar_estimator.common import topics
 from sar_estimator.common.node_support import Persistent
+from sar_estimator.gps.source import check_url
 from sar_planner.parameters.corner import PLANNERS, ParameterError
 from sar_sim.autopilot.home_link import home_of
 from sar_sim.bags.tracks import load_track
@@ -42,6 +43,8 @@ from sar_sim.scenario.scenario import NODES, Scenario, read_document, scenario_d
 
 TELL_TERMINAL_S, TELL_FILE_S = 0.5, 5.0
 RESTARTS = 5
+LEADING = (*NODES, "gps")
+"""The nodes that are started again when they end or hang."""
 SETTLED_S = 3.0
 ASK_AGAIN_S = 3.0
 FAULT_SIGNALS = {"kill": signal.SIGKILL, "stop": signal.SIGSTOP, "go on": signal.SIGCONT}
@@ -91,7 +94,7 @@ class Flight:
             self.nodes.remove(node)
             return True
         hopeless = node.exit_code in (0, 2) or node.age_s < SETTLED_S
-        if node.name not in NODES or hopeless or self.restarts >= RESTARTS:
+        if node.name not in LEADING or hopeless or self.restarts >= RESTARTS:
             return False
         self.restarts += 1
         sys.stderr.write(
@@ -124,7 +127,7 @@ class Flight:
                 sys.stdout.write(f"\nengage: {answer}\n" if terminal else f"engage: {answer}\n")
             self._inject(watcher.time_s(self._speed))
             for node in self.nodes:
-                if node.name in NODES and node.age_s > HANGS_S and watcher.hangs(node.name):
+                if node.name in LEADING and node.age_s > HANGS_S and watcher.hangs(node.name):
                     sys.stderr.write(f"launch: node {node.name} hangs: killed\n")
                     node.kill()
             if time.monotonic() - told > (TELL_TERMINAL_S if terminal else TELL_FILE_S):
@@ -167,6 +170,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--engage", action="store_true", help="lead that autopilot's UAV as soon as it can be led"
     )
+    parser.add_argument(
+        "--gps", default="", metavar="URL", help="receiver: /dev/NAME,BAUD, tcp:, udp: or gpsd:HOST"
+    )
     parser.add_argument("--no-sim", action="store_true", help="nothing simulated: a real flight")
     parser.add_argument("--params", type=Path, help="node parameters, default config/params.yaml")
     parser.add_argument("--setup", action="store_true", help="only set up and build")
@@ -178,15 +184,19 @@ def prepare(args: argparse.Namespace) -> Flight:
 
     Raises ``ValueError`` in one line.
     """
+    helicopter = "topic" if args.gps and args.helicopter == "sim" else args.helicopter
     options = FlightOptions(
-        args.helicopter,
+        helicopter,
         args.autopilot,
         args.rules,
         args.speed,
         simulation=not args.no_sim,
         watch_only=args.watch_only,
         engage=args.engage,
+        gps=args.gps,
     )
+    if options.gps:
+        check_url(options.gps)
     if options.autopilot:
         opener(options.autopilot)
     find_scenario(args.scenario)

@@ -18,7 +18,8 @@ class FlightOptions:
     ``helicopter``: ``sim``, ``topic``, or the path of a track. ``autopilot``: a URL, empty for the
     simulated UAV. ``speed``: times real time, None for the default. ``watch_only``: the monitor
     says what it sees and does nothing. ``engage``: an autopilot that is not simulated here is
-    engaged as soon as the planner agrees.
+    engaged as soon as the planner agrees. ``gps``: URL of the helicopter's receiver, empty where
+    another driver gives its fixes.
     """
 
     helicopter: str = "sim"
@@ -28,13 +29,16 @@ class FlightOptions:
     simulation: bool = True
     watch_only: bool = False
     engage: bool = False
+    gps: str = ""
 
     def __post_init__(self) -> None:
         """Refuse combinations that make no flight."""
         if not self.simulation and not self.autopilot:
             raise ScenarioError("--no-sim: expected --autopilot URL, the UAV's autopilot")
+        if self.gps and self.helicopter != "topic":
+            raise ScenarioError(f"--gps {self.gps}: expected no --helicopter {self.helicopter}")
         if not self.simulation and self.helicopter != "topic":
-            raise ScenarioError("--no-sim: expected --helicopter topic, a live GPS fix")
+            raise ScenarioError("--no-sim: expected --gps URL, or --helicopter topic, a live fix")
         if self.watch_only and not self.simulation:
             raise ScenarioError("--watch-only: expected a simulation, not a real flight")
         if self.engage and self.live:
@@ -140,6 +144,8 @@ def plan_nodes(
         ("sar_bridge", "monitor", _monitor_parameters(scenario, options) | clock),
         ("sar_bridge", "bridge", bridge | clock),
     ]
+    if options.gps:
+        wanted.insert(1, ("sar_estimator", "gps", {"receiver": options.gps} | clock))
     if options.simulation and not (options.live and options.autopilot):
         wanted.append(("sar_sim", "sim", _sim_parameters(scenario_file, options, port)))
     return [NodeSpec(package, name, tuned.get(name, {}) | own) for package, name, own in wanted]
@@ -152,7 +158,7 @@ def parameter_document(specs: list[NodeSpec]) -> dict[str, Any]:
 
 def read_tuned(document: object, name: str) -> dict[str, dict[str, Any]]:
     """Return a parameter file's content by node. Raises ``ScenarioError`` naming what is wrong."""
-    known = ("estimator", "planner", "monitor", "bridge", "record", "sim")
+    known = ("gps", "estimator", "planner", "monitor", "bridge", "record", "sim")
     if not isinstance(document, dict):
         raise ScenarioError(f"{name}: expected node names with ros__parameters")
     tuned = {}

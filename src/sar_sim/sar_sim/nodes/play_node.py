@@ -15,10 +15,13 @@ from rosbags.interfaces import Connection, QosDurability
 from rosgraph_msgs.msg import Clock
 
 from sar_estimator.common import topics
+from sar_estimator.common.component_node import publisher
 from sar_estimator.common.conversions import to_stamp
 from sar_estimator.common.node_support import LATCHED, RELIABLE, start_ros
 from sar_sim.bags.bag import BAG_ERRORS, open_bag
+from sar_sim.bags.former import as_now, is_former, now_on
 from sar_sim.bags.message_types import get_message
+from sar_sim.world.wires import ALL_WIRES
 
 START_DELAY_S = 1.0
 CLOCK_PERIOD_S = 0.05
@@ -39,8 +42,12 @@ class PlayNode(Node):
         kind = get_message(connection.msgtype)
         return self.create_publisher(kind, connection.topic, LATCHED if latched else RELIABLE)
 
+    def _former(self, topic: str) -> Publisher:
+        """Return the publisher of a topic that carried JSON, as it is now."""
+        return publisher(self, topic, ALL_WIRES)
+
     def play(self) -> int:
-        """Play to the end; return how many messages were published."""
+        """Play to the end, what carried JSON as it is now; return how many messages were played."""
         count = 0
         with open_bag(self._bag) as reader:
             connections = [
@@ -50,7 +57,10 @@ class PlayNode(Node):
             ]
             if not connections:
                 raise ValueError(f"{self._bag}: none of the chosen topics is in it")
-            senders = {item.id: self._publisher(item) for item in connections}
+            senders = {
+                item.id: self._publisher(item) for item in connections if not is_former(item)
+            }
+            former = {topic: self._former(topic) for item in connections for topic in now_on(item)}
             time.sleep(START_DELAY_S)
             begun, first_s, told_s = time.monotonic(), reader.start_time * 1e-9, -1.0
             for connection, timestamp, raw in reader.messages(connections=connections):
@@ -66,7 +76,12 @@ class PlayNode(Node):
                     time.sleep(min(ahead, CLOCK_PERIOD_S / self._rate))
                 if not rclpy.ok():
                     break
-                senders[connection.id].publish(bytes(raw))
+                if connection.id in senders:
+                    senders[connection.id].publish(bytes(raw))
+                else:
+                    message = reader.deserialize(raw, connection.msgtype)
+                    for topic, one in as_now(connection.topic, connection.msgtype, message):
+                        former[topic].publish(one)
                 count += 1
         return count
 

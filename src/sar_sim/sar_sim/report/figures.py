@@ -116,7 +116,8 @@ def draw_corner(data: FlightData, k: int | None, out: Path) -> None:
         ):
             part = track.between(onset - 15.0, last)
             axes.plot(*part.xy_m.T, color=colour, lw=1.8, label=name)
-        path = item.curve
+        # A bag that was cut between a decision and its curve has the one alone.
+        path = item.curve if len(item.curve) else np.array([record.stop[:2]])
         axes.plot(*path.T, "--", color=PLAN, lw=1.5, label="UAV, planned")
         low, high = path.min(axis=0) - 150.0, path.max(axis=0) + 150.0
         near = item.waypoints[np.all((item.waypoints > low) & (item.waypoints < high), axis=1)]

@@ -11,15 +11,14 @@ from sar_estimator.common.component import Component
 from sar_estimator.common.wires import WIRES
 from sar_estimator.estimation.component import EstimatorComponent
 from sar_estimator.estimation.parameters import EstimatorParameters
+from sar_estimator.gps.component import GpsComponent
 from sar_planner.component import PlannerComponent
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 
-# What is no component of ours.
-OTHERS = {
-    "receiver": ((), (topics.FIX, topics.VELOCITY)),
-}
 SHOWN = {"planner": (topics.MARKERS,)}
+TAKEN = {"sim": (topics.UAV_CLOCK,)}
+"""What nodes that run no component take."""
 REST = """
 Beside these: `/clock`, and the truth that a simulation tells: `/sim/helicopter`, `/sim/uav`,
 `/sim/corner`, `/sim/scenario`.
@@ -36,6 +35,7 @@ inside the bridge.
 
 def _components() -> list[Component]:
     return [
+        GpsComponent(),
         EstimatorComponent(EstimatorParameters()),
         PlannerComponent(CornerParameters(), MissionParameters()),
         MonitorComponent(MonitorParameters(), HelicopterModel()),
@@ -47,8 +47,7 @@ def interfaces_text() -> str:
     """Return the page."""
     takes = {one.name: tuple(one.inputs) for one in _components()}
     gives = {one.name: (*one.outputs, *SHOWN.get(one.name, ())) for one in _components()}
-    for name, (taken, given) in OTHERS.items():
-        takes[name], gives[name] = taken, given
+    takes |= TAKEN
     lines = [
         "# Interfaces",
         "",

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from sar_bridge import bridge_node, monitor_node
-from sar_estimator import estimator_node
+from sar_estimator import estimator_node, gps_node
 from sar_estimator.common.checked import bounds_of, choices_of
 from sar_estimator.common.node_parameters import defaults_of, descriptions
 from sar_planner import planner_node
@@ -15,6 +15,7 @@ from sar_sim.nodes import record_node
 from sar_sim.nodes.sim_parameters import SimParameters
 
 NODES: dict[str, tuple[type[Any], ...]] = {
+    "gps": gps_node.PARAMETERS,
     "estimator": estimator_node.PARAMETERS,
     "planner": planner_node.PARAMETERS,
     "monitor": monitor_node.PARAMETERS,

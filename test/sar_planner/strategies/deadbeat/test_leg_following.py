@@ -54,7 +54,7 @@ def test_no_way_back_is_looked_for_before_its_time(tick_at, state):
 )
 def test_speeds_that_it_cannot_be_followed_at(tick_at, speed, reason):
     found = unfit_speed(tick_at(leg_mps=speed))
-    assert found == reason or (bool(found) and abs(speed - 20.0) > 4.0)
+    assert found == reason
 
 
 def test_held_it_circles_once_and_says_why(tick_at, state):

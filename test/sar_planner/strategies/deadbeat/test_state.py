@@ -78,26 +78,26 @@ def goes_on(plan, now_s):
     helicopter_at(plan, now_s)
 
 
-def foretells(plan, now_s):
+def predicts(plan, now_s):
     plan.set_phase(Phase.DECELERATING)
     plan.set_corner(corner_at(now_s - 4.0))
     helicopter_at(plan, now_s, vx=10.0, x=20.0 * (now_s - 104.0) + 60.0)
 
 
-def foretells_what_is_outside_the_rules(plan, now_s):
+def predicts_what_is_outside_the_rules(plan, now_s):
     plan.set_phase(Phase.DECELERATING)
     plan.set_corner(corner_at(now_s - 4.0, speed_mps=40.0))
     helicopter_at(plan, now_s)
 
 
 def takes_it_back(plan, now_s):
-    foretells(plan, now_s)
+    predicts(plan, now_s)
     plan.update(now_s)
     goes_on(plan, now_s)
 
 
 def stands(plan, now_s):
-    foretells(plan, now_s)
+    predicts(plan, now_s)
     plan.set_phase(Phase.STOPPED)
     helicopter_at(plan, now_s, vx=0.0, x=80.0)
 
@@ -144,8 +144,8 @@ def is_disengaged_and_engaged(plan, now_s):
 
 EVENTS = (
     goes_on,
-    foretells,
-    foretells_what_is_outside_the_rules,
+    predicts,
+    predicts_what_is_outside_the_rules,
     takes_it_back,
     stands,
     turns_and_leaves,
@@ -185,8 +185,8 @@ def test_every_event_in_every_state(mode, event):
     was_begun = Mode.CORNER if mode is Mode.REJOIN else None
     expected = {
         goes_on: {Mode.LEG, Mode.REJOIN} | {mode} - {Mode.HOLD},
-        foretells: {Mode.CORNER},
-        foretells_what_is_outside_the_rules: {Mode.LEG, Mode.REJOIN, Mode.HOLD} | {mode},
+        predicts: {Mode.CORNER},
+        predicts_what_is_outside_the_rules: {Mode.LEG, Mode.REJOIN, Mode.HOLD} | {mode},
         takes_it_back: {Mode.LEG, Mode.REJOIN} | {Mode.CORNER} & {was_begun},
         stands: {Mode.CORNER},
         turns_and_leaves: {Mode.CORNER},
