@@ -97,3 +97,23 @@ def test_one_that_stands_has_no_course_and_a_velocity_all_the_same(decoder, make
 
     reading = [*standing(30), *standing(31)][-1]
     assert math.hypot(*reading.velocity_mps) == pytest.approx(0.02 * KNOT_MPS)
+
+
+def test_a_sentence_without_a_time_is_not_waited_for_where_rmc_has_the_velocity(decoder, make):
+    """It may come first of the next epoch: an epoch that waits for it is told a second late."""
+    vtg = make["sentence"]("VTG", cogt=90.0, sogn=5.0)
+    for second in (30, 31):
+        at = {"time": f"10:20:{second}"}
+        taken(decoder, vtg, make["gga"](**at), make["rmc"](**at))
+    at = {"time": "10:20:32"}
+    assert len(taken(decoder, vtg, make["gga"](**at), make["rmc"](**at))) == 1
+    assert taken(decoder, vtg) == []
+
+
+def test_without_rmc_the_velocity_is_that_of_vtg(decoder, make):
+    vtg = make["sentence"]("VTG", cogt=90.0, cogtUnit="T", sogn=5.0, sognUnit="N")
+    found = []
+    for second in (30, 31, 32):
+        found += taken(decoder, make["gga"](time=f"10:20:{second}"), vtg)
+    assert len(found) == 3
+    assert found[-1].velocity_mps == pytest.approx((5.0 * KNOT_MPS, 0.0), abs=1e-6)

@@ -35,7 +35,8 @@ class _Epoch:
 class NmeaDecoder:
     """Puts sentences together that have the same time, and tells each epoch once.
 
-    As soon as as many sentences have come as in the epoch before; else when the next one begins.
+    As soon as as many sentences with a time have come as in the epoch before; else when the next
+    one begins.
     ``uere_m``: the standard deviation of a range, by which HDOP becomes an accuracy. ``damaged``:
     sentences whose check sum is wrong, or that are no sentences.
     """
@@ -45,7 +46,7 @@ class NmeaDecoder:
         self._uere_m = uere_m
         self._epoch: _Epoch | None = None
         self._expected = 0
-        self._is_told = False
+        self._is_told = self._has_rmc = False
         self._date: date | None = None
         self._date_time_s = 0.0
         self.damaged = 0
@@ -80,9 +81,13 @@ class NmeaDecoder:
         if self._epoch is None:
             return found
         self._epoch.sentences[message.msgID] = self._better(message)
-        self._epoch.count += 1
-        if self._epoch.count == self._expected:
-            found += self._told()
+        self._has_rmc = self._has_rmc or message.msgID == "RMC"
+        # One without a time may be the next epoch's: it is not waited for, but for a velocity that
+        # nothing else tells.
+        if isinstance(at, time) or (message.msgID == "VTG" and not self._has_rmc):
+            self._epoch.count += 1
+            if self._epoch.count == self._expected:
+                found += self._told()
         return found
 
     def _better(self, message: Any) -> Any:
