@@ -15,6 +15,8 @@ LONGEST_JSON = 20_000
 LONGEST_UBX = 2_048
 LONGEST_SIRF = 1_023
 NEWLINES = b"\r\n"
+PARSER_ERRORS = (ValueError, KeyError, IndexError, TypeError, ArithmeticError, AttributeError)
+"""What the parsers' libraries let out, beside their own errors, for frames that are none."""
 
 
 class Protocol(StrEnum):

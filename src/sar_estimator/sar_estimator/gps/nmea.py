@@ -12,6 +12,7 @@ from pynmeagps import NMEAReader
 from pynmeagps.exceptions import NMEAMessageError, NMEAParseError, NMEATypeError
 
 from sar_estimator.common.states import FloatArray
+from sar_estimator.gps.framing import PARSER_ERRORS
 from sar_estimator.gps.reading import Reading
 
 KNOT_MPS = 1852.0 / 3600.0
@@ -55,17 +56,7 @@ class NmeaDecoder:
         """Take a sentence; return the epochs that it completes."""
         try:
             message = NMEAReader.parse(sentence + b"\r\n", msgmode=0)
-        except (
-            NMEAMessageError,
-            NMEAParseError,
-            NMEATypeError,
-            ValueError,
-            KeyError,
-            IndexError,
-            TypeError,
-            ArithmeticError,
-            AttributeError,
-        ):  # fmt: skip - what the library lets out for sentences that are none
+        except (NMEAMessageError, NMEAParseError, NMEATypeError, *PARSER_ERRORS):
             self.damaged += 1
             return []
         if message is None or message.msgID not in WANTED or "*" not in sentence.decode("ascii"):

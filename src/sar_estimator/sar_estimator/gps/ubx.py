@@ -11,6 +11,7 @@ import pymap3d
 from pyubx2 import GET, UBXReader
 from pyubx2.exceptions import UBXMessageError, UBXParseError, UBXStreamError, UBXTypeError
 
+from sar_estimator.gps.framing import PARSER_ERRORS
 from sar_estimator.gps.reading import Reading
 
 GPS_EPOCH_S = 315_964_800.0
@@ -39,18 +40,7 @@ class UbxDecoder:
         """Take a whole message; return what it says of an epoch."""
         try:
             message = UBXReader.parse(data, msgmode=GET)
-        except (
-            UBXMessageError,
-            UBXParseError,
-            UBXStreamError,
-            UBXTypeError,
-            ValueError,
-            KeyError,
-            IndexError,
-            TypeError,
-            ArithmeticError,
-            AttributeError,
-        ):  # fmt: skip - what the library lets out for messages that are none
+        except (UBXMessageError, UBXParseError, UBXStreamError, UBXTypeError, *PARSER_ERRORS):
             self.damaged += 1
             return []
         try:
