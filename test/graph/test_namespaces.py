@@ -42,9 +42,9 @@ node = rclpy.create_node("world")
 clock = node.create_publisher(Clock, topics.CLOCK, RELIABLE)
 fix = node.create_publisher(NavSatFix, topics.FIX, qos_profile_sensor_data)
 asked = {}
-for name, port, side in (("uav1", sys.argv[1], 1), ("uav2", sys.argv[2], -1)):
+for name, port, side, lag_m in (("uav1", sys.argv[1], 1, 60.0), ("uav2", sys.argv[2], -1, 90.0)):
     pattern = replace(scenario.pattern, turn_side=side)
-    one = replace(scenario, pattern=pattern, uav=replace(scenario.uav, lag_m=60.0 * side))
+    one = replace(scenario, pattern=pattern, uav=replace(scenario.uav, lag_m=lag_m))
     worlds[name] = World(one)
     server = AutopilotServer(worlds[name].autopilot, worlds[name].datum)
     links[name] = AutopilotLink(server, int(port), time.monotonic)
