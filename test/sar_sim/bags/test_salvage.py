@@ -1,11 +1,15 @@
 """Bags whose recorder was killed are read up to their last whole record."""
 
 import errno
+import json
+import math
 import os
 import threading
 from pathlib import Path
 
 import pytest
+from geometry_msgs.msg import Point
+from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
 
 from sar_estimator.common.conversions import text_message
@@ -16,8 +20,11 @@ PERIOD_S, FLUSHED_EVERY, COUNT = 0.1, 10, 600
 
 
 def write(folder, *, close=False):
-    """Write a minute of messages, brought to the disk every second; return the writer."""
-    bag = BagWriter(folder)
+    """Write a minute of messages, brought to the disk every second; return the writer.
+
+    Beside the bag, in ``flushed``: the file's size after every flush.
+    """
+    bag, sizes = BagWriter(folder), []
     for i in range(COUNT):
         data = serialize_message(text_message(f"{i} " + 40 * "x"))
         bag.write(
@@ -25,6 +32,8 @@ def write(folder, *, close=False):
         )
         if (i + 1) % FLUSHED_EVERY == 0:
             bag.flush()
+            sizes.append((folder / f"{folder.name}.mcap").stat().st_size)
+    (folder.parent / "flushed").write_text(json.dumps(sizes), encoding="utf-8")
     if close:
         bag.close()
     return bag
@@ -52,6 +61,22 @@ def test_a_finished_bag_is_read_as_it_is(tmp_path):
     assert sorted(numbers(tmp_path / "bag")) == list(range(COUNT))
 
 
+def test_odometry_takes_less_than_half_its_size(tmp_path):
+    bag, told = BagWriter(tmp_path / "bag"), 0
+    for i in range(COUNT):
+        message = Odometry(child_frame_id="uav")
+        message.pose.pose.position = Point(x=23.7 * i, y=math.sin(i), z=150.0 + math.cos(i))
+        data = serialize_message(message)
+        told += len(data)
+        bag.write("/uav/odometry", "nav_msgs/msg/Odometry", data, PERIOD_S * i)
+        if (i + 1) % FLUSHED_EVERY == 0:
+            bag.flush()
+    bag.close()
+    assert (tmp_path / "bag" / "bag.mcap").stat().st_size < 0.5 * told
+    with open_bag(tmp_path / "bag") as reader:
+        assert sum(len(data) for _, _, data in reader.messages()) == told
+
+
 def test_a_killed_recorder_loses_nothing_that_was_flushed(killed):
     assert not (killed / "metadata.yaml").exists()
     assert is_cut(killed)
@@ -71,9 +96,9 @@ def test_cut_at_any_byte_it_is_read_up_to_the_last_second(tmp_path, killed, fini
         write(tmp_path / "whole", close=True)
         folder = tmp_path / "whole"
     data = next(folder.glob("*.mcap")).read_bytes()
-    begun = data.index(b"0 xxxx")
+    flushed = json.loads((folder.parent / "flushed").read_text("utf-8"))
     counts = []
-    for size in range(len(data) - 1, begun, -997):
+    for size in range(len(data) - 1, flushed[0], -611):
         cut = tmp_path / f"cut{size}"
         cut.mkdir()
         (cut / "cut.mcap").write_bytes(data[:size])
@@ -82,9 +107,8 @@ def test_cut_at_any_byte_it_is_read_up_to_the_last_second(tmp_path, killed, fini
         except ValueError:
             found = []
         assert found == list(range(len(found)))
-        # Of what is there, no more than a second is missing.
-        there = data[:size].count(b"xxxxxxxx") and data[:size].count(40 * b"x")
-        assert there - len(found) <= FLUSHED_EVERY
+        there = FLUSHED_EVERY * sum(end <= size for end in flushed)
+        assert there <= len(found) <= there + FLUSHED_EVERY
         counts.append(len(found))
     assert counts == sorted(counts, reverse=True)
     assert len(counts) > 30

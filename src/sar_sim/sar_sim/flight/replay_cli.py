@@ -39,8 +39,8 @@ def told(found: Comparison, recorded: list[Event], *, all_of_them: bool) -> str:
 
 
 def write_reference(bag: Path, folder: Path) -> None:
-    """Write what a replay needs of a bag to another one, compressed."""
-    written = BagWriter(folder, compressed=True)
+    """Write what a replay needs of a bag to another one."""
+    written = BagWriter(folder)
     try:
         with open_bag(bag) as reader:
             chosen = [one for one in reader.connections if one.topic in (*FIGURES, *INPUTS)]
