@@ -19,6 +19,7 @@ ROOT = Path(__file__).parents[1]
 SOURCES = sorted((ROOT / "src").glob("*/sar_*/**/*.py"))
 SHELLS = {
     "sar_bridge/mavlink/link",
+    "sar_bridge/mavlink/station_link",
     "sar_estimator/common/node_support",
     "sar_estimator/gps/source",
     "sar_sim/autopilot/home_link",

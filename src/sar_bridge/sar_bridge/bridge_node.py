@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import sys
-import threading
 import time
+from functools import partial
 from typing import Annotated, Any
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 from rclpy.node import Node
 
-from sar_bridge.mavlink.link import Link
+from sar_bridge.mavlink.addressed import Address
+from sar_bridge.mavlink.link import GROUND_COMPONENT, GROUND_SYSTEM, Link
 from sar_bridge.mavlink.signing import Signer
-from sar_bridge.session.component import LINK, BridgeComponent
+from sar_bridge.mavlink.station_link import StationLink
+from sar_bridge.session.component import LINK, STATIONS, BridgeComponent
 from sar_estimator.common.checked import CHECKED
-from sar_estimator.common.component_node import ComponentNode
+from sar_estimator.common.component import Outputs
 from sar_estimator.common.node_parameters import parameters
-from sar_estimator.common.node_support import now_s, run_node
+from sar_estimator.common.node_support import run_node
+from sar_estimator.common.reader_node import ReaderNode
 
 
 @dataclass(frozen=True, config=CHECKED)
@@ -29,7 +32,10 @@ class BridgeParameters:
     0 for the first autopilot heard. signing_key_file: file with a MAVLink 2 signing key, mode 600;
     without one nothing is signed. node_timeout_s: planner or monitor silent for so long: no more
     heartbeats to the autopilot while a list is flown. link_timeout_s: without a heartbeat of the
-    autopilot, after which it is not heard any more.
+    autopilot, after which it is not heard any more. gcs_url: ground stations beside, URLs with
+    spaces between; `udpout:HOST:PORT` sends to one that listens there. source_system,
+    source_component: the bridge's own MAVLink address; the system is the autopilot's
+    MAV_GCS_SYSID, the address no ground station's.
     """
 
     autopilot_url: str = "udp:127.0.0.1:14550"
@@ -38,63 +44,77 @@ class BridgeParameters:
     signing_key_file: str = ""
     node_timeout_s: Annotated[float, Field(ge=2.0)] = 4.0
     link_timeout_s: Annotated[float, Field(ge=1.5)] = 3.0
+    gcs_url: str = ""
+    source_system: Annotated[int, Field(ge=1, le=255)] = GROUND_SYSTEM
+    source_component: Annotated[int, Field(ge=1, le=255)] = GROUND_COMPONENT
 
 
 PARAMETERS = (BridgeParameters,)
+READ_S = 0.05
 
 
-class BridgeNode(ComponentNode):
-    """Runs the bridge's component; a thread reads the link."""
-
-    by_wall_clock = True
+class BridgeNode(ReaderNode):
+    """Runs the bridge's component; threads read the link, and those to ground stations."""
 
     def __init__(self) -> None:
-        """Open the link, and read it."""
+        """Open the links, and read them."""
         self._bridge: BridgeComponent
         self._link: Link
-        self._running = True
+        self._stations: list[StationLink] = []
         super().__init__("bridge", self._make)
-        self._reader = threading.Thread(target=self._read, name="mavlink", daemon=True)
-        self._reader.start()
 
     def _make(self, node: Node) -> BridgeComponent:
         own = parameters(node, BridgeParameters)
         key = own.signing_key_file
-        self._link = Link(own.autopilot_url, signer=Signer(key, time.time()) if key else None)
+        signer = Signer(key, time.time()) if key else None
+        address = Address(own.source_system, own.source_component)
+        self._link = Link(
+            own.autopilot_url,
+            system=address.system,
+            component=address.component,
+            signer=signer,
+        )
+        self._stations = [StationLink(url, signer) for url in own.gcs_url.split()]
         self._bridge = BridgeComponent(
             altitude_m=own.altitude_m,
             target_system=own.target_system,
             node_timeout_s=own.node_timeout_s,
             link_timeout_s=own.link_timeout_s,
+            own=address,
+            stations=len(self._stations),
         )
+        self.add_reader("mavlink", lambda: self._link.receive(READ_S), self._take)
+        for number, station in enumerate(self._stations):
+            take = partial(self._take_station, number)
+            self.add_reader(f"station {number}", partial(station.receive, READ_S), take)
         return self._bridge
 
-    def close(self) -> None:
-        """Stop reading and close the link."""
-        self._running = False
-        self._reader.join(timeout=2.0)
-        self._link.close()
+    def _take(self, messages: list[Any], now_s: float) -> Outputs:
+        return [one for message in messages for one in self._bridge.receive(message, now_s)]
 
-    def _read(self) -> None:
-        while self._running:
-            received = self._link.receive(0.05)
-            if not received:
-                continue
-            with self.lock:
-                for message in received:
-                    self.publish(self._bridge.receive(message, self.component_s()))
+    def _take_station(self, number: int, messages: list[Any], now_s: float) -> Outputs:
+        take = self._bridge.receive_station
+        return [one for message in messages for one in take(number, message, now_s)]
 
-    def component_s(self) -> float:
-        """Return a monotonic clock [s], and tell the component the graph's."""
-        self._bridge.ros_s = now_s(self)
+    def tell_component(self) -> None:
+        """Tell how the link is."""
         self._bridge.link_breaks = self._link.breaks
-        return time.monotonic()
+
+    def close(self) -> None:
+        """Stop reading and close the links."""
+        super().close()
+        self._link.close()
+        for station in self._stations:
+            station.close()
 
     def send(self, topic: str, value: Any) -> None:
-        """Send messages to the autopilot, and publish everything else while the node runs."""
+        """Send messages over the links, and publish everything else while the node runs."""
         if topic == LINK:
             self._link.send(value)
-        elif self._running:
+        elif topic == STATIONS:
+            number, message = value
+            self._stations[number].send(message)
+        elif self.running:
             super().send(topic, value)
 
 

@@ -110,6 +110,9 @@ class MissionPlanner:
         if status.mode not in ENGAGE_MODES or (self._in_auto and status.mode != "AUTO"):
             self.disengage()
             self.problem = f"released: the UAV was taken to mode {status.mode}"
+        elif status.taken:
+            self.disengage()
+            self.problem = f"released: {status.taken}"
         self._in_auto = status.mode == "AUTO"
 
     def set_monitor(self, status: MonitorReport) -> None:

@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sar_bridge.mavlink.addressed import Address
 from sar_bridge.mavlink.commands import RETRIES, TIMEOUT_S, Command, CommandQueue
-from sar_bridge.mavlink.mission_upload import Address
 
 MODE, SPEED = mavlink.MAV_CMD_DO_SET_MODE, mavlink.MAV_CMD_DO_CHANGE_SPEED
 

@@ -6,8 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sar_bridge.mavlink.addressed import Address
 from sar_bridge.mavlink.mission_items import MissionItem
-from sar_bridge.mavlink.mission_upload import Address, MissionUpload, UploadState
+from sar_bridge.mavlink.mission_upload import MissionUpload, UploadState
 
 TARGET = Address(1, 1)
 

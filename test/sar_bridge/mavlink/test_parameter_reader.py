@@ -3,7 +3,7 @@
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from sar_bridge.mavlink.mission_upload import Address
+from sar_bridge.mavlink.addressed import Address
 from sar_bridge.mavlink.parameter_reader import NAMES, TRIES, ParameterReader
 
 NEWER = {

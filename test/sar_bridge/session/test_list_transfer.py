@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sar_bridge.mavlink.addressed import Address
 from sar_bridge.mavlink.autopilot_state import AutopilotState
 from sar_bridge.mavlink.commands import CommandQueue
-from sar_bridge.mavlink.mission_upload import Address, MissionUpload
+from sar_bridge.mavlink.mission_upload import MissionUpload
 from sar_bridge.session.list_transfer import ListTransfer, Wanted
 from sar_estimator.common.geodesy import Datum
 

@@ -19,10 +19,11 @@ from mavsdk.mission_raw_server_pb2 import SubscribeIncomingMissionRequest
 from mavsdk.telemetry_server import Heading, Position, VelocityNed
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sar_bridge.mavlink.addressed import Address
 from sar_bridge.mavlink.autopilot_state import AutopilotState
 from sar_bridge.mavlink.link import Link
 from sar_bridge.mavlink.mission_items import waypoint_items
-from sar_bridge.mavlink.mission_upload import Address, MissionUpload, UploadState
+from sar_bridge.mavlink.mission_upload import MissionUpload, UploadState
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import Pose
 from sar_sim.autopilot.autopilot import SimAutopilot

@@ -119,6 +119,7 @@ class AutopilotState:
 
     ``mode``: the flight mode's name, empty before the first heartbeat. ``heartbeat_s``: when the
     last one came, by the caller's monotonic clock. ``boot_s``: the newest time since its boot.
+    ``mission_total``: how many items its mission has, home not counted; 0 where it tells not.
     """
 
     def __init__(self) -> None:
@@ -127,7 +128,7 @@ class AutopilotState:
         self.armed = False
         self.ardupilot = True
         self.heartbeat_s = -math.inf
-        self.current_item = 0
+        self.current_item = self.mission_total = 0
         self.clock = BootClock()
         self.boot_s = 0.0
         self.telemetry: UavTelemetry | None = None
@@ -155,7 +156,7 @@ class AutopilotState:
         elif kind == "VFR_HUD":
             self.wind.airspeed_mps = message.airspeed
         elif kind == "MISSION_CURRENT":
-            self.current_item = message.seq
+            self.current_item, self.mission_total = message.seq, message.total
         elif kind == "GLOBAL_POSITION_INT":
             self.boot_s = message.time_boot_ms * 1e-3
             if datum is None:

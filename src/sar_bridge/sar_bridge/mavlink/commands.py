@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from sar_bridge.mavlink.mission_upload import Address
+from sar_bridge.mavlink.addressed import Address
 
 TIMEOUT_S = 1.0
 RETRIES = 4

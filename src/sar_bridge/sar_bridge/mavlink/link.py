@@ -6,16 +6,18 @@ import contextlib
 import select
 import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, Protocol
 
 import serial
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sar_bridge.mavlink.addressed import Addressed
 from sar_bridge.mavlink.signing import Signer, VerifyingParser
 
 GROUND_SYSTEM = 255
-GROUND_COMPONENT = 190
+GROUND_COMPONENT = 240
+"""MAV_COMP_ID_UDP_BRIDGE: ground stations beside have 190."""
 DEFAULT_BAUD = 57600
 REOPEN_PERIOD_S = 1.0
 WRITE_TIMEOUT_S = 0.2
@@ -43,15 +45,15 @@ class Transport(Protocol):
 
 
 class UdpTransport:
-    """UDP: bound to an address and answering whom it hears, or sending to one address."""
+    """UDP: bound to an address, sending to another; without that, answering whom it hears."""
 
-    def __init__(self, host: str, port: int, *, bind: bool) -> None:
+    def __init__(self, bind: tuple[str, int] | None, peer: tuple[str, int] | None = None) -> None:
         """Open the socket."""
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setblocking(False)  # noqa: FBT003
-        self._peer: Any = None if bind else (host, port)
-        if bind:
-            self._socket.bind((host, port))
+        self._peer: Any = peer
+        if bind is not None:
+            self._socket.bind(bind)
 
     def fileno(self) -> int:
         """Return what to wait on for bytes."""
@@ -130,22 +132,41 @@ class SerialTransport:
         self._serial.close()
 
 
-def opener(url: str) -> Callable[[], Transport]:
-    """Return what opens a URL. Raises ``ValueError`` for what is neither UDP, TCP nor serial."""
+def opener(url: str, what: str = "autopilot URL") -> Callable[[], Transport]:
+    """Return what opens a URL, also one as MAVROS has it: ``udp://BIND:PORT@HOST:PORT``.
+
+    Raises ``ValueError``, which begins with ``what``, for what is neither UDP, TCP nor serial.
+    """
+    expected = "udp:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT or /dev/NAME,BAUD"
+    refused = ValueError(f"{what} {url!r}: expected {expected}")
     scheme, _, rest = url.partition(":")
+    if scheme == "udp" and rest.startswith("//"):
+        bind, at, peer = rest[2:].partition("@")
+        if not at or not (bind or peer):
+            raise refused
+        here, there = _place(bind, refused), _place(peer, refused)
+        return lambda: UdpTransport(here, there)
     if scheme in ("udp", "udpin", "udpout", "tcp"):
-        host, _, port = rest.rpartition(":")
-        if not host or not port.isdigit() or not 0 < int(port) < 65536:
-            raise ValueError(f"autopilot URL {url!r}: expected {scheme}:HOST:PORT")
+        place = _place(rest, refused)
+        if place is None:
+            raise refused
         if scheme == "tcp":
-            return lambda: TcpTransport(host, int(port))
-        return lambda: UdpTransport(host, int(port), bind=scheme != "udpout")
+            return lambda: TcpTransport(*place)
+        return lambda: UdpTransport(None, place) if scheme == "udpout" else UdpTransport(place)
     device, _, baud = url.partition(",")
     if not device.startswith("/dev/") or (baud and not baud.isdigit()):
-        raise ValueError(
-            f"autopilot URL {url!r}: expected udp:HOST:PORT, tcp:HOST:PORT or /dev/NAME,BAUD"
-        )
+        raise refused
     return lambda: SerialTransport(device, int(baud or DEFAULT_BAUD))
+
+
+def _place(text: str, refused: ValueError) -> tuple[str, int] | None:
+    """Return host, loopback where none is named, and port; None for nothing."""
+    if not text:
+        return None
+    host, _, port = text.rpartition(":")
+    if not port.isdigit() or not 0 < int(port) < 65536 or not (host or text.startswith(":")):
+        raise refused
+    return host or "127.0.0.1", int(port)
 
 
 class Link:
@@ -162,12 +183,14 @@ class Link:
         system: int = GROUND_SYSTEM,
         component: int = GROUND_COMPONENT,
         signer: Signer | None = None,
+        what: str = "autopilot URL",
     ) -> None:
         """Open the link; what is sent comes from ``system`` and ``component``.
 
-        With a ``signer`` everything sent is signed, and nothing unsigned is received.
+        ``what``: the link's name in errors. With a ``signer`` everything sent is signed, and
+        nothing unsigned is received.
         """
-        self._open = opener(url)
+        self._open = opener(url, what)
         self._signer = signer
         self._mav = mavlink.MAVLink(None, srcSystem=system, srcComponent=component)
         if signer is not None:
@@ -181,7 +204,7 @@ class Link:
         except (ConnectionRefusedError, TimeoutError):
             pass
         except OSError as error:
-            raise OSError(f"autopilot URL {url!r}: {error}") from error
+            raise OSError(f"{what} {url!r}: {error}") from error
 
     def _new_parser(self) -> Any:
         parser = VerifyingParser(None)
@@ -228,19 +251,34 @@ class Link:
         with contextlib.suppress(OSError):
             transport.close()
 
-    def send(self, messages: list[Any]) -> None:
-        """Send messages; what cannot be sent is lost, as on any radio."""
+    def send(self, messages: Iterable[Any]) -> None:
+        """Send messages; what cannot be sent is lost, as on any radio.
+
+        ``Addressed`` ones as from another sender; packets, which are bytes, as they are.
+        """
         if self._signer is not None:
             with contextlib.suppress(OSError):  # a full disk is no reason to fall silent
                 self._signer.advance(time.time())
         for message in messages:
-            data = message.pack(self._mav)
+            data = self._packed(message)
             transport = self._transport
             if transport is None:
                 continue
             # A broken transport is noticed, closed and opened again by whoever receives.
             with contextlib.suppress(OSError, ValueError):
                 transport.write(data)
+
+    def _packed(self, message: Any) -> bytes:
+        if isinstance(message, bytes):
+            return message
+        own = self._mav.srcSystem, self._mav.srcComponent
+        if isinstance(message, Addressed):
+            sender, message = message.sender, message.message
+            self._mav.srcSystem, self._mav.srcComponent = sender.system, sender.component
+        try:
+            return bytes(message.pack(self._mav))
+        finally:
+            self._mav.srcSystem, self._mav.srcComponent = own
 
     def close(self) -> None:
         """Close the link."""

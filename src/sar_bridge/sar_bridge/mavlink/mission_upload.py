@@ -9,10 +9,10 @@ is repeated and the autopilot expects none any more, its ACK was lost: the item 
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sar_bridge.mavlink.addressed import Address
 from sar_bridge.mavlink.mission_items import MissionItem
 
 COUNT_TIMEOUT_S = 1.5
@@ -32,14 +32,6 @@ class UploadState(enum.StrEnum):
     SENDING = "sending"
     ACCEPTED = "accepted"
     FAILED = "failed"
-
-
-@dataclass(frozen=True, slots=True)
-class Address:
-    """A MAVLink system and component."""
-
-    system: int
-    component: int
 
 
 class MissionUpload:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from sar_bridge.mavlink.mission_upload import Address
+from sar_bridge.mavlink.addressed import Address
 
 PERIOD_S = 1.5
 TRIES = 5

@@ -7,6 +7,9 @@ import math
 import numpy as np
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sar_bridge.mavlink.addressed import Address
+from sar_bridge.mavlink.link import GROUND_COMPONENT, GROUND_SYSTEM
+from sar_bridge.session.ground_stations import Bridge, GroundStations, Traffic
 from sar_bridge.session.list_transfer import Messages
 from sar_bridge.session.liveness import Liveness
 from sar_bridge.session.session import AutopilotSession
@@ -17,6 +20,9 @@ from sar_estimator.common.reports import Health, UavReport, UavStatus, Uploaded,
 
 LINK = "mavlink"
 """The topic of messages that go to the autopilot."""
+STATIONS = "stations"
+"""The topic of what goes to ground stations: number of the station, packet or message."""
+OWN = Address(GROUND_SYSTEM, GROUND_COMPONENT)
 WATCHED = ("planner", "monitor")
 
 
@@ -46,12 +52,18 @@ class BridgeComponent(Component):
         target_system: int = 0,
         node_timeout_s: float = 4.0,
         link_timeout_s: float = 3.0,
+        own: Address = OWN,
+        stations: int = 0,
     ) -> None:
-        """Fly lists at an altitude above home; see the node's parameters."""
+        """Fly lists at an altitude above home; see the node's parameters.
+
+        ``own``: its address; ``stations``: how many ground stations there may be.
+        """
         super().__init__()
         self.session = AutopilotSession(
             altitude_m=altitude_m, target_system=target_system, link_timeout_s=link_timeout_s
         )
+        self.stations = GroundStations(own, stations)
         self.ros_s = 0.0
         self.link_breaks = 0
         self._liveness = Liveness(WATCHED, node_timeout_s)
@@ -96,7 +108,7 @@ class BridgeComponent(Component):
             climb_m=waypoints.climb_m,
             may_engage=0.0 < self._started_s <= waypoints.time_s,
         )
-        return _sent(messages)
+        return self._own(messages)
 
     def _on_alive(self, names: tuple[str, ...], now_s: float) -> Outputs:
         for name in names:
@@ -117,8 +129,12 @@ class BridgeComponent(Component):
     def receive(self, message: mavlink.MAVLink_message, now_s: float) -> Outputs:
         """Take a message from the autopilot; return what goes back, and what is published."""
         session = self.session
+        passed = self.stations.pass_on(message, now_s, busy=session.transfer.active)
+        out: Outputs = [(STATIONS, one) for one in passed]
+        if not self.stations.is_ours(message):
+            return out
         messages, moved = session.handle(message, now_s=now_s, ros_s=self.ros_s, datum=self._datum)
-        out = _sent(messages)
+        out += self._own(messages)
         if moved:
             telemetry = session.state.telemetry
             assert telemetry is not None
@@ -141,12 +157,56 @@ class BridgeComponent(Component):
             out.append((topics.UPLOADED, Uploaded(accepted.list_id, accepted.items, upload_ms)))
         return out
 
+    def receive_station(
+        self, station: int, message: mavlink.MAVLink_message, now_s: float
+    ) -> Outputs:
+        """Take a message from a ground station; return what it leads to."""
+        bridge = self._bridge()
+        if bridge is None:
+            return []
+        return self._spread(self.stations.take(station, message, now_s, bridge), now_s)
+
+    def _bridge(self) -> Bridge | None:
+        """Return what the ground stations have to respect; None before an autopilot was heard."""
+        session = self.session
+        if session.address is None:
+            return None
+        return Bridge(
+            session.address,
+            flown=session.leading,
+            busy=session.transfer.active,
+            silent=bool(session.leading and session.silent),
+        )
+
+    def _spread(self, traffic: Traffic, now_s: float) -> Outputs:
+        """Return where traffic goes, after the session was told of what it does."""
+        if traffic.mission_changed:
+            self.session.transfer.forget_mission()
+        if traffic.item_chosen:
+            self.session.take_away("a waypoint was chosen by a ground station")
+        if traffic.rates_changed:
+            self.session.streams.again()
+        out: Outputs = [(STATIONS, one) for one in traffic.to_stations]
+        if traffic.to_autopilot:
+            out.append((LINK, traffic.to_autopilot))
+        return out + self._own(self.session.transfer.hold(self.stations.writing, now_s))
+
+    def _own(self, messages: Messages) -> Outputs:
+        """Return messages of the bridge's own; a list among them goes before what stations read."""
+        out, bridge = _sent(messages), self._bridge()
+        if bridge is not None and bridge.busy:
+            out += [(STATIONS, one) for one in self.stations.make_way(bridge).to_stations]
+        return out
+
     def tick(self, now_s: float) -> Outputs:
         """Send what is due; tell the autopilot's status when it is another."""
         if self._started_s == 0.0:
             self._started_s = self.ros_s  # the first time a simulated clock is known
         self.session.silent = self._liveness.silent(now_s)
-        out = _sent(self.session.tick(now_s))
+        out = self._own(self.session.tick(now_s))
+        for traffic in self.stations.tick(now_s, self._bridge()):
+            out += self._spread(traffic, now_s)
+        out += self._own(self.session.transfer.hold(self.stations.writing, now_s))
         status = self.session.status(now_s)
         if status != self._sent_state:
             self._sent_state = status
@@ -175,10 +235,14 @@ class BridgeComponent(Component):
             "current_item": session.state.current_item,
             "reboots": session.state.clock.reboots,
             "link_breaks": self.link_breaks,
+            "stations": self.stations.heard(now_s),
             "upload_ms": "" if accepted is None else f"{1e3 * accepted.duration_s:.0f}",
         }
-        dead = not session.connected(now_s)
-        return Health(self.name, session.problem(now_s), values, severe=dead)
+        dead, problem = not session.connected(now_s), session.problem(now_s)
+        if not problem and self.stations.same_address:
+            own = self.stations.own
+            problem = f"a ground station has this node's address {own.system}.{own.component}"
+        return Health(self.name, problem, values, severe=dead)
 
 
 def _sent(messages: Messages) -> Outputs:

@@ -23,6 +23,7 @@ RETRY_LIST_S = 1.0
 TAKEN_UP_S = 0.3  # by the autopilot, two capture waypoints included
 OTHER_TRIPS = 3  # beside the items' own: request, acknowledgement, what is made current
 LATEST_S = 3.0
+NO_COUNT = 65535
 
 Messages = list[mavlink.MAVLink_message]
 
@@ -59,7 +60,8 @@ class ListTransfer:
     """Takes the newest list to the autopilot: into a slot of its mission, or as a whole one.
 
     ``wanted``: the list that is to be flown, None for none. ``accepted``: the newest one that was
-    taken. ``ros_s``: the time by which the UAV flies, to be set.
+    taken. ``held``: lists wait, somebody else writes a mission. ``ros_s``: the time by which the
+    UAV flies, to be set.
     """
 
     def __init__(self, state: AutopilotState, *, altitude_m: float) -> None:
@@ -70,6 +72,8 @@ class ListTransfer:
         self._link: tuple[MissionUpload, CommandQueue] | None = None
         self.wanted: Wanted | None = None
         self.accepted: Accepted | None = None
+        self.held = False
+        self._total: int | None = None
         self.ros_s = 0.0
         self._sent = Sent(np.empty((0, 2)), 0.0, 0.0)
         self._joining: Write | None = None
@@ -80,6 +84,11 @@ class ListTransfer:
     def upload(self) -> MissionUpload | None:
         """The mission protocol with the autopilot, None before it was heard."""
         return None if self._link is None else self._link[0]
+
+    @property
+    def active(self) -> bool:
+        """Whether a list is on its way to the autopilot."""
+        return self.upload is not None and self.upload.active
 
     @property
     def failure(self) -> str:
@@ -106,15 +115,16 @@ class ListTransfer:
             self.upload.cancel()
 
     def forget_mission(self) -> None:
-        """Count on nothing that the autopilot held: it was restarted."""
+        """Count on nothing that the autopilot held."""
         self._slots.forget()
+        self._total = None
 
     def start(self, now_s: float) -> Messages:
         """Upload the newest list: into a slot of the mission being flown, or as a whole mission."""
         upload, wanted = self.upload, self.wanted
         if upload is None or wanted is None:
             return []
-        if upload.active:
+        if upload.active or self.held:
             # ArduPilot denies a part while it receives another, and begins a whole one anew.
             self._later = True
             return []
@@ -132,6 +142,7 @@ class ListTransfer:
             write = self._slots.fill(wanted.points, wanted.datum, current, **given)
             return self._write(upload, wanted, write, now_s)
         whole = self._slots.whole(wanted.points, wanted.datum, **given)
+        self._total = len(whole) - 1  # home is not counted
         return upload.start(whole, wanted.list_id, now_s)
 
     def handle(
@@ -161,6 +172,14 @@ class ListTransfer:
         if failed and now_s - upload.finished_s > RETRY_LIST_S:
             out += self.start(now_s)
         return out
+
+    def is_ours(self, total: int) -> bool:
+        """Whether a mission of so many items, home not counted, may be what was uploaded.
+
+        True while that is not known; 0 and 65535 are no counts.
+        """
+        accepted = self.upload is not None and self.upload.state is UploadState.ACCEPTED
+        return not accepted or self._total is None or total in (0, NO_COUNT, self._total)
 
     def _write(self, upload: MissionUpload, wanted: Wanted, write: Write, now_s: float) -> Messages:
         token = wanted.list_id if self._joining is None else upload.token
@@ -197,9 +216,14 @@ class ListTransfer:
             self.accepted = Accepted(upload.token, len(self._sent.points), took_s)
         return out, True
 
+    def hold(self, held: bool, now_s: float) -> Messages:  # noqa: FBT001
+        """Keep lists back while ``held``; send the newest one after that."""
+        self.held = held
+        return [] if held else self.start_later(now_s)
+
     def start_later(self, now_s: float) -> Messages:
         """Upload the list that came while another was under way, if any did."""
-        return self.start(now_s) if self._later else []
+        return self.start(now_s) if self._later and not self.active else []
 
     def _joined_in_s(self, motion: Motion) -> float:
         """Return how long after a motion was told the UAV will be led over by what is sent now.

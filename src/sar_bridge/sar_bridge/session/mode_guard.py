@@ -6,16 +6,16 @@ from __future__ import annotations
 class ModeGuard:
     """Changes the mode only from GUIDED to AUTO after an engagement, and lets go of who is taken.
 
-    ``released``: somebody changed the mode while the list was flown; nothing is sent until a new
-    engagement. ``taken_to``: the mode chosen then, told until another list is to be flown: the
-    planner withdraws its list within milliseconds. ``returning``: an operator sent the UAV home.
+    ``released``: somebody took the UAV while the list was flown; nothing is sent until a new
+    engagement. ``taken``: by what, told until another list is to be flown: the planner withdraws
+    its list within milliseconds. ``returning``: an operator sent the UAV home.
     """
 
     def __init__(self) -> None:
         """Nobody has it yet."""
         self.released = False
         self.returning = False
-        self.taken_to = ""
+        self.taken = ""
         self._engaging = False
         self._mode_flown = ""
 
@@ -38,7 +38,7 @@ class ModeGuard:
 
     def send_home(self) -> None:
         """Let go: an operator sends the UAV home."""
-        self._engaging, self.returning, self.taken_to = False, True, ""
+        self._engaging, self.returning, self.taken = False, True, ""
 
     def may_start(self, mode: str) -> bool:
         """Whether AUTO may be chosen now that a list was taken; asked once for each."""
@@ -50,6 +50,10 @@ class ModeGuard:
         was, self._mode_flown = self._mode_flown, mode
         if mode == "AUTO" or (mode == "GUIDED" and was != "AUTO"):
             return False
-        self._engaging = False
-        self.released, self.taken_to = True, mode
+        self.take(f"mode {mode} was chosen by somebody else")
         return True
+
+    def take(self, by: str) -> None:
+        """Let go: somebody took the UAV, ``by`` what."""
+        self._engaging = False
+        self.released, self.taken = True, by

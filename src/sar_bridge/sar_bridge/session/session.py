@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sar_bridge.mavlink.addressed import Address
 from sar_bridge.mavlink.autopilot_state import AutopilotState
 from sar_bridge.mavlink.commands import Command, CommandQueue, ground_heartbeat
 from sar_bridge.mavlink.mission_items import FloatArray
-from sar_bridge.mavlink.mission_upload import Address, MissionUpload
+from sar_bridge.mavlink.mission_upload import MissionUpload
 from sar_bridge.mavlink.parameter_reader import ParameterReader
 from sar_bridge.session.list_transfer import Accepted, ListTransfer, Messages, Wanted
 from sar_bridge.session.mode_guard import ModeGuard
@@ -21,15 +22,16 @@ from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.reports import UavStatus
 
 HEARTBEAT_PERIOD_S = 1.0
+FOREIGN_S = 3.0
 
 
 class AutopilotSession:
     """Talks to the first autopilot heard, or to the configured system.
 
     ``state``: what the autopilot says of itself. ``transfer``: lists on their way to it. ``guard``:
-    who has the UAV. ``silent``: the node that leads the UAV or watches over it and is not heard any
-    more: while it is named and a list is flown there are no heartbeats, so that the autopilot's own
-    failsafe acts.
+    who has the UAV. ``streams``: the telemetry that is asked for. ``silent``: the node that leads
+    the UAV or watches over it and is not heard any more: while it is named and a list is flown
+    there are no heartbeats, so that the autopilot's own failsafe acts.
     """
 
     def __init__(
@@ -47,10 +49,11 @@ class AutopilotSession:
         self._wanted_system = target_system
         self._link_timeout_s = link_timeout_s
         self._speed = SpeedCommand()
-        self._streams = TelemetryStreams()
+        self.streams = TelemetryStreams()
         self._commands: CommandQueue | None = None
         self._reader: ParameterReader | None = None
         self._reboots = 0
+        self._ours_s = float("inf")
         self._heartbeat_sent_s = float("-inf")
 
     # What is asked of the session --------------------------------------------------------------
@@ -77,7 +80,7 @@ class AutopilotSession:
             return []
         if not self.guard.takes_lists:
             return []
-        self.guard.taken_to = ""
+        self.guard.taken = ""
         if self.transfer.wanted is None:
             self.guard.begin(self.state.mode, may_engage=may_engage)
         return self.transfer.want(Wanted(points, list_id, datum, climb_m), now_s)
@@ -93,6 +96,12 @@ class AutopilotSession:
             return []
         command = self._speed.due(now_s)
         return [] if command is None else self._commands.send(command, now_s)
+
+    def take_away(self, by: str) -> None:
+        """Let go: somebody leads the UAV otherwise, ``by`` what, while a list is to be flown."""
+        if self.leading:
+            self._let_go()
+            self.guard.take(by)
 
     def return_home(self, now_s: float) -> Messages:
         """Command RTL and take no more lists until the planner has withdrawn its own.
@@ -142,6 +151,7 @@ class AutopilotSession:
         if message.get_type() == "HEARTBEAT":
             self._watch_mode()
         elif message.get_type() == "MISSION_CURRENT":
+            self._watch_mission(now_s)
             out += self.transfer.watch_jump(now_s)
         self._watch_reboots()
         return out, moved
@@ -169,7 +179,7 @@ class AutopilotSession:
             return out
         if self.state.mode != "GUIDED" and not self.guard.returning:
             self._commands.cancel(mavlink.MAV_CMD_DO_SET_MODE)  # never AUTO against a human
-        for command in self._streams.due(self.state.position_s, now_s):
+        for command in self.streams.due(self.state.position_s, now_s):
             out.append(command.message(self.address, 0))
         out += self.transfer.tick(now_s) + self._commands.tick(now_s) + self._send_speed(now_s)
         if self.state.ardupilot:
@@ -199,6 +209,7 @@ class AutopilotSession:
             armed=self.state.armed,
             connected=self.connected(now_s),
             tracking_list=self.leading,
+            taken=self.guard.taken if self.guard.released else "",
             airspeed_ratio=round(self.state.wind.airspeed_ratio, 3),
         )
 
@@ -210,8 +221,8 @@ class AutopilotSession:
             return "autopilot's heartbeat lost"
         if self.silent and self.leading:
             return f"no heartbeats to the autopilot: node {self.silent} is silent"
-        if self.guard.taken_to:
-            return f"released: mode {self.guard.taken_to} was chosen by somebody else"
+        if self.guard.taken:
+            return f"released: {self.guard.taken}"
         if self.transfer.failure:
             return f"mission upload: {self.transfer.failure}"
         return self._commands.refusal if self._commands is not None else ""
@@ -244,6 +255,14 @@ class AutopilotSession:
         """Let go at once when somebody else chose a mode while a list is to be flown."""
         if self.transfer.wanted is not None and self.guard.is_taken(self.state.mode):
             self._let_go()
+
+    def _watch_mission(self, now_s: float) -> None:
+        """Let go of a UAV whose mission is not ours any more: another radio may have written it."""
+        if self.transfer.is_ours(self.state.mission_total):
+            self._ours_s = now_s
+        elif now_s - self._ours_s > FOREIGN_S:
+            self.transfer.forget_mission()
+            self.take_away("another mission was written by somebody else")
 
     def _watch_reboots(self) -> None:
         """Count on nothing that the autopilot held before it was restarted."""

@@ -25,12 +25,20 @@ class TelemetryStreams:
     def __init__(self) -> None:
         """Nothing was asked for yet."""
         self._asked_s = -math.inf
+        self._changed = False
+
+    def again(self) -> None:
+        """Ask as soon as a rate may be another."""
+        self._changed = True
 
     def due(self, position_s: float, now_s: float) -> list[Command]:
-        """Return the requests to send, where the last position, at ``position_s``, is late."""
-        late = now_s - position_s > LATE_POSITION_S
+        """Return the requests to send, where the last position, at ``position_s``, is late.
+
+        And where somebody else asked for other rates.
+        """
+        late = self._changed or now_s - position_s > LATE_POSITION_S
         if not late or now_s - self._asked_s < STREAM_RETRY_S:
             return []
-        self._asked_s = now_s
+        self._asked_s, self._changed = now_s, False
         number = mavlink.MAV_CMD_SET_MESSAGE_INTERVAL
         return [Command(number, (which, 1e6 / rate)) for which, rate in STREAMS_HZ.items()]

@@ -48,7 +48,8 @@ class UavStatus:
     """What the autopilot says of itself: flight mode, arming, and whether it is heard.
 
     ``tracking_list``: whether the bridge has a list of ours flown. ``airspeed_ratio``: true
-    airspeed over the indicated one, which is what the autopilot is asked for.
+    airspeed over the indicated one, which is what the autopilot is asked for. ``taken``: how
+    somebody else has taken the UAV that was led, empty where nobody has.
     """
 
     mode: str = ""
@@ -56,6 +57,7 @@ class UavStatus:
     connected: bool = False
     tracking_list: bool = False
     airspeed_ratio: Annotated[float, Field(ge=0.5, le=2.0)] = 1.0
+    taken: str = ""
 
 
 @dataclass(frozen=True)

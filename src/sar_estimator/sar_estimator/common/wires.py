@@ -295,7 +295,7 @@ WIRES: dict[str, Wire] = {
         _same,
     ),
     topics.UAV_STATE: Wire(
-        "mode, armed, connected, tracking_list, airspeed_ratio",
+        "mode, armed, connected, tracking_list, airspeed_ratio, taken",
         DiagnosticStatus,
         LATCHED,
         _status_message,

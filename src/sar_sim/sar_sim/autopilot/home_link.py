@@ -6,9 +6,9 @@ import time
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sar_bridge.mavlink.addressed import Address
 from sar_bridge.mavlink.commands import Command, ground_heartbeat
 from sar_bridge.mavlink.link import Link
-from sar_bridge.mavlink.mission_upload import Address
 from sar_estimator.common.geodesy import Datum
 
 ASK_PERIOD_S = 1.0

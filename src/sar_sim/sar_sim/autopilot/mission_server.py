@@ -10,7 +10,7 @@ import math
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_bridge.mavlink.mission_items import MissionItem
-from sar_sim.autopilot.autopilot import SimAutopilot
+from sar_sim.autopilot.autopilot import FlightMode, SimAutopilot
 
 ITEM_TIMEOUT_S = 0.25
 ITEM_RETRIES = 20
@@ -22,7 +22,7 @@ Messages = list[mavlink.MAVLink_message]
 class MissionServer:
     """Takes and gives a simulated autopilot's mission; times are of a monotonic clock [s].
 
-    ``partner``: system and component that messages go to.
+    Several may ask; one at a time may write. Each is answered under its own address.
     """
 
     def __init__(self, autopilot: SimAutopilot) -> None:
@@ -32,7 +32,7 @@ class MissionServer:
         self._asked_s = 0.0
         self._asked = 0
         self._settled_s = -math.inf
-        self.partner = (0, 0)
+        self._asking = self._writing = (0, 0)
 
     def transferring(self, now_s: float) -> bool:
         """Whether a mission is on its way in, or was just taken and not yet made current."""
@@ -40,12 +40,14 @@ class MissionServer:
 
     def handle(self, message: mavlink.MAVLink_message, now_s: float) -> Messages:
         """Take a message of the protocol; return the answers, none to another message."""
+        self._asking = (message.get_srcSystem(), message.get_srcComponent())
         handler = {
             "MISSION_COUNT": self._count,
             "MISSION_WRITE_PARTIAL_LIST": self._partial,
             "MISSION_ITEM_INT": self._item,
             "MISSION_REQUEST_LIST": self._list,
             "MISSION_REQUEST_INT": self._download,
+            "MISSION_CLEAR_ALL": self._clear,
         }.get(message.get_type())
         return [] if handler is None else handler(message, now_s)
 
@@ -54,7 +56,7 @@ class MissionServer:
         if self._next >= self._end or now_s - self._asked_s < ITEM_TIMEOUT_S:
             return []
         if self._asked >= ITEM_RETRIES:
-            self._end = self._next
+            self._end, self._asking = self._next, self._writing
             return [self._ack(mavlink.MAV_MISSION_OPERATION_CANCELLED)]
         tries = self._asked + 1
         out = self._ask(now_s)
@@ -71,14 +73,30 @@ class MissionServer:
         self.settle()
 
     def _list(self, _message: mavlink.MAVLink_message, _now_s: float) -> Messages:
-        return [mavlink.MAVLink_mission_count_message(*self.partner, len(self._autopilot.items))]
+        if self._next < self._end:
+            return [self._ack(mavlink.MAV_MISSION_DENIED)]
+        return [mavlink.MAVLink_mission_count_message(*self._asking, len(self._autopilot.items))]
+
+    def _taken(self) -> bool:
+        """Whether somebody else than who asks is writing."""
+        return self._next < self._end and self._asking != self._writing
+
+    def _clear(self, _message: mavlink.MAVLink_message, _now_s: float) -> Messages:
+        # As ArduPilot: not while it is flown.
+        if self._taken() or self._autopilot.mode is FlightMode.AUTO:
+            return [self._ack(mavlink.MAV_MISSION_ERROR)]
+        self._end = self._next
+        self._autopilot.truncate(1)
+        return [self._ack(mavlink.MAV_MISSION_ACCEPTED)]
 
     def _count(self, message: mavlink.MAVLink_message, now_s: float) -> Messages:
         if message.mission_type != mavlink.MAV_MISSION_TYPE_MISSION:
             return [self._ack(mavlink.MAV_MISSION_UNSUPPORTED)]
+        if self._taken():
+            return [self._ack(mavlink.MAV_MISSION_DENIED)]
         # As ArduPilot: the mission is cut to its new length now, items are put in as they come.
         self._autopilot.truncate(message.count)
-        self._next, self._end = 0, message.count
+        self._next, self._end, self._writing = 0, message.count, self._asking
         if self._end == 0:
             return [self._ack(mavlink.MAV_MISSION_ACCEPTED)]
         return self._ask(now_s)
@@ -90,11 +108,12 @@ class MissionServer:
         if not 0 <= message.start_index <= message.end_index <= held:
             return [self._ack(mavlink.MAV_MISSION_ERROR)]
         self._next, self._end = message.start_index, message.end_index + 1
+        self._writing = self._asking
         return self._ask(now_s)
 
     def _ask(self, now_s: float) -> Messages:
         self._asked_s, self._asked = now_s, 0
-        return [mavlink.MAVLink_mission_request_int_message(*self.partner, self._next)]
+        return [mavlink.MAVLink_mission_request_int_message(*self._writing, self._next)]
 
     def _item(self, message: mavlink.MAVLink_message, now_s: float) -> Messages:
         if self._next >= self._end:
@@ -102,6 +121,8 @@ class MissionServer:
         if message.seq != self._next:
             # As ArduPilot: the transfer goes on.
             return [self._ack(mavlink.MAV_MISSION_INVALID_SEQUENCE)]
+        if self._taken():
+            return [self._ack(mavlink.MAV_MISSION_DENIED)]
         item = MissionItem(
             message.command,
             message.x,
@@ -118,7 +139,7 @@ class MissionServer:
         return [self._ack(mavlink.MAV_MISSION_ACCEPTED)]
 
     def _ack(self, result: int) -> mavlink.MAVLink_message:
-        return mavlink.MAVLink_mission_ack_message(*self.partner, result)
+        return mavlink.MAVLink_mission_ack_message(*self._asking, result)
 
     def _download(self, message: mavlink.MAVLink_message, _now_s: float) -> Messages:
         seq = message.seq
@@ -129,7 +150,7 @@ class MissionServer:
         item = self._autopilot.items[seq]
         return [
             mavlink.MAVLink_mission_item_int_message(
-                *self.partner,
+                *self._asking,
                 seq,
                 item.frame,
                 item.command,

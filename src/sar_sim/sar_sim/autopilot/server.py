@@ -15,6 +15,8 @@ from sar_sim.autopilot.presets import parameter_values
 POSITION_PERIOD_S = 0.1
 HEARTBEAT_PERIOD_S = 1.0
 
+NO_NUMBER = 65535
+"""The index of a parameter that was asked for by its name."""
 LED = (FlightMode.AUTO, FlightMode.GUIDED)
 
 
@@ -51,10 +53,10 @@ class AutopilotServer:
         """Take a message; return the answers."""
         if getattr(message, "target_system", 1) not in (0, 1):
             return []
-        self._mission.partner = (message.get_srcSystem(), message.get_srcComponent())
         handler = {
             "HEARTBEAT": self._heard,
             "PARAM_REQUEST_READ": self._parameter,
+            "PARAM_REQUEST_LIST": self._all_parameters,
             "COMMAND_LONG": self._command,
         }.get(message.get_type(), self._mission.handle)
         return handler(message, now_s)
@@ -84,14 +86,29 @@ class AutopilotServer:
             self._autopilot.set_mode(FlightMode.RTL)
 
     def _parameter(self, message: mavlink.MAVLink_message, _now_s: float) -> Messages:
-        value = self._parameters.get(message.param_id)
+        names, number = list(self._parameters), message.param_index
+        if number < 0:
+            return self._told(message.param_id, NO_NUMBER)
+        return self._told(names[number], number) if number < len(names) else []
+
+    def _all_parameters(self, _message: mavlink.MAVLink_message, _now_s: float) -> Messages:
+        return [one for n, name in enumerate(self._parameters) for one in self._told(name, n)]
+
+    def _told(self, name: str, number: int) -> Messages:
+        """Return a parameter's value; nothing, as ArduPilot, where there is no such name."""
+        value, count = self._parameters.get(name), len(self._parameters)
         if value is None:
             return []
         kind = mavlink.MAV_PARAM_TYPE_REAL32
-        name = message.param_id.encode()
-        return [mavlink.MAVLink_param_value_message(name, value, kind, len(self._parameters), 0)]
+        return [mavlink.MAVLink_param_value_message(name.encode(), value, kind, count, number)]
 
     def _command(self, message: mavlink.MAVLink_message, _now_s: float) -> Messages:
+        result, told = self._obeyed(message)
+        asking = message.get_srcSystem(), message.get_srcComponent()
+        return [mavlink.MAVLink_command_ack_message(message.command, result, 0, 0, *asking), *told]
+
+    def _obeyed(self, message: mavlink.MAVLink_message) -> tuple[int, Messages]:
+        """Do what a command says; return the result, and what was asked for."""
         result = mavlink.MAV_RESULT_ACCEPTED
         if message.command == mavlink.MAV_CMD_DO_SET_MISSION_CURRENT:
             self._mission.settle()
@@ -103,22 +120,19 @@ class AutopilotServer:
             if message.param2 > 0.0:
                 self._autopilot.airspeed_mps = message.param2
         elif message.command == mavlink.MAV_CMD_REQUEST_MESSAGE:
-            return self._requested(int(message.param1))
+            if int(message.param1) == mavlink.MAVLINK_MSG_ID_HOME_POSITION:
+                return result, [self._home()]
+            result = mavlink.MAV_RESULT_UNSUPPORTED
         elif message.command != mavlink.MAV_CMD_SET_MESSAGE_INTERVAL:
             result = mavlink.MAV_RESULT_UNSUPPORTED
-        return [mavlink.MAVLink_command_ack_message(message.command, result)]
+        return result, []
 
-    def _requested(self, number: int) -> Messages:
-        known = number == mavlink.MAVLINK_MSG_ID_HOME_POSITION
-        result = mavlink.MAV_RESULT_ACCEPTED if known else mavlink.MAV_RESULT_UNSUPPORTED
-        ack = mavlink.MAVLink_command_ack_message(mavlink.MAV_CMD_REQUEST_MESSAGE, result)
-        if not known:
-            return [ack]
+    def _home(self) -> mavlink.MAVLink_message:
         latitude, longitude, altitude = self._datum.to_geodetic(*self._autopilot.home, 0.0)
         place = round(latitude * 1e7), round(longitude * 1e7), round(altitude * 1e3)
         still = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         (x, y, z), attitude, approach = still
-        return [ack, mavlink.MAVLink_home_position_message(*place, x, y, z, attitude, *approach)]
+        return mavlink.MAVLink_home_position_message(*place, x, y, z, attitude, *approach)
 
     def _set_mode(self, number: int) -> int:
         if number not in tuple(FlightMode):
@@ -157,7 +171,9 @@ class AutopilotServer:
             out += [
                 telemetry.attitude(autopilot, boot_s),
                 telemetry.position(autopilot, self._datum, boot_s),
-                mavlink.MAVLink_mission_current_message(autopilot.current),
+                mavlink.MAVLink_mission_current_message(
+                    autopilot.current, max(len(autopilot.items) - 1, 0)
+                ),
             ]
         out += [mavlink.MAVLink_mission_item_reached_message(seq) for seq in autopilot.reached]
         autopilot.reached.clear()

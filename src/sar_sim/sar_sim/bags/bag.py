@@ -10,6 +10,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
+from backports import zstd
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.interfaces import (
     Connection,
@@ -50,6 +51,7 @@ BAG_ERRORS = (
     TypeError,
     EOFError,
     struct.error,
+    zstd.ZstdError,
 )
 TYPESTORE = get_typestore(Stores.ROS2_JAZZY)
 UNLIMITED = QosTime(sec=9223372036, nsec=854775807)

@@ -173,6 +173,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--gps", default="", metavar="URL", help="receiver: /dev/NAME,BAUD, tcp:, udp: or gpsd:HOST"
     )
+    parser.add_argument(
+        "--gcs", action="append", default=[], metavar="URL", help="ground station, udpout:H:P"
+    )
     parser.add_argument("--no-sim", action="store_true", help="nothing simulated: a real flight")
     parser.add_argument("--params", type=Path, help="node parameters, default config/params.yaml")
     parser.add_argument("--setup", action="store_true", help="only set up and build")
@@ -194,11 +197,14 @@ def prepare(args: argparse.Namespace) -> Flight:
         watch_only=args.watch_only,
         engage=args.engage,
         gps=args.gps,
+        gcs=tuple(args.gcs),
     )
     if options.gps:
         check_url(options.gps)
     if options.autopilot:
         opener(options.autopilot)
+    for url in options.gcs:
+        opener(url, "--gcs")
     find_scenario(args.scenario)
     scenario = scenario_from(args)
     if options.autopilot and options.helicopter == "sim" and scenario.datum == Scenario().datum:

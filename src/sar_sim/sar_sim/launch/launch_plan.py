@@ -19,7 +19,7 @@ class FlightOptions:
     simulated UAV. ``speed``: times real time, None for the default. ``watch_only``: the monitor
     says what it sees and does nothing. ``engage``: an autopilot that is not simulated here is
     engaged as soon as the planner agrees. ``gps``: URL of the helicopter's receiver, empty where
-    another driver gives its fixes.
+    another driver gives its fixes. ``gcs``: URLs of ground stations beside.
     """
 
     helicopter: str = "sim"
@@ -30,6 +30,7 @@ class FlightOptions:
     watch_only: bool = False
     engage: bool = False
     gps: str = ""
+    gcs: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse combinations that make no flight."""
@@ -137,6 +138,8 @@ def plan_nodes(
         "autopilot_url": options.autopilot or f"udp:127.0.0.1:{port}",
         "altitude_m": scenario.sensor.altitude_m,
     }
+    if options.gcs:
+        bridge["gcs_url"] = " ".join(options.gcs)
     wanted = [
         ("sar_sim", "record", {"bag": str(bag)} | clock),
         ("sar_estimator", "estimator", _estimator_parameters(scenario, options) | clock),
