@@ -40,8 +40,10 @@ def new_environment():
     """A function that gives the environment of processes in a ROS domain of their own."""
 
     def make():
+        # NiceGUI serves otherwise where it believes itself under test.
+        plain = {key: value for key, value in os.environ.items() if key != "PYTEST_CURRENT_TEST"}
         return dict(
-            os.environ,
+            plain,
             ROS_DOMAIN_ID=str(free_domain()),
             ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST",
         )

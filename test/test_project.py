@@ -18,6 +18,8 @@ from sar_estimator.common.wires import WIRES
 ROOT = Path(__file__).parents[1]
 SOURCES = sorted((ROOT / "src").glob("*/sar_*/**/*.py"))
 SHELLS = {
+    "sar_bridge/console/live",
+    "sar_bridge/console/page",
     "sar_bridge/mavlink/link",
     "sar_bridge/mavlink/station_link",
     "sar_estimator/common/node_support",

@@ -25,6 +25,7 @@ setup(
     entry_points={
         "console_scripts": [
             "bridge = sar_bridge.bridge_node:main",
+            "console = sar_bridge.console_node:main",
             "monitor = sar_bridge.monitor_node:main",
             "operator = sar_bridge.operator_node:main",
         ],

@@ -17,8 +17,9 @@ class Launch:
         self.out = out
         self.environment = dict(environment, PYTHONUNBUFFERED="1")
         program = ROOT / "install" / "sar_sim" / "lib" / "sar_sim" / "launch"
+        page = () if "--console-port" in options else ("--no-console",)
         self.process = subprocess.Popen(
-            [*before, str(program), "--out", str(out), *options],
+            [*before, str(program), "--out", str(out), *page, *options],
             cwd=ROOT,
             env=self.environment,
             stdout=subprocess.PIPE,

@@ -10,7 +10,7 @@ from sar_estimator.common import topics
 from sar_estimator.common.component import NOTICES
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import Pose
-from sar_estimator.common.reports import WaypointList
+from sar_estimator.common.reports import Health, WaypointList
 from sar_sim.autopilot.autopilot import FlightMode, SimAutopilot
 from sar_sim.autopilot.server import AutopilotServer
 from sar_sim.scenario.presets import AUTOPILOTS
@@ -144,7 +144,7 @@ def test_home_is_commanded_and_answered(flight):
 
 def test_a_silent_planner_silences_the_heartbeats_while_a_list_is_flown(flight):
     flight.give(topics.DATUM, DATUM)
-    flight.give(topics.DIAGNOSTICS, ("planner", "recorder"))
+    flight.give(topics.DIAGNOSTICS, (Health("planner"), Health("record")))
     flight.give(topics.CLEARED, a_list())
     flight.run(3.0)
     assert flight.sent.count("HEARTBEAT") >= 3
@@ -153,7 +153,7 @@ def test_a_silent_planner_silences_the_heartbeats_while_a_list_is_flown(flight):
     flight.run(3.0)
     assert flight.sent.count("HEARTBEAT") == before
     assert "node planner is silent" in flight.bridge.health(flight.now_s).problem
-    flight.give(topics.DIAGNOSTICS, ("planner",))
+    flight.give(topics.DIAGNOSTICS, (Health("planner"),))
     flight.run(1.1)
     assert flight.sent.count("HEARTBEAT") > before
 

@@ -9,6 +9,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_bridge.mavlink.addressed import Address
 from sar_bridge.mavlink.link import GROUND_COMPONENT, GROUND_SYSTEM
+from sar_bridge.mavlink.vehicle_health import VehicleHealth
 from sar_bridge.session.ground_stations import Bridge, GroundStations, Traffic
 from sar_bridge.session.list_transfer import Messages
 from sar_bridge.session.liveness import Liveness
@@ -64,6 +65,7 @@ class BridgeComponent(Component):
             altitude_m=altitude_m, target_system=target_system, link_timeout_s=link_timeout_s
         )
         self.stations = GroundStations(own, stations)
+        self.vehicle = VehicleHealth()
         self.ros_s = 0.0
         self.link_breaks = 0
         self._liveness = Liveness(WATCHED, node_timeout_s)
@@ -110,9 +112,9 @@ class BridgeComponent(Component):
         )
         return self._own(messages)
 
-    def _on_alive(self, names: tuple[str, ...], now_s: float) -> Outputs:
-        for name in names:
-            self._liveness.hear(name, now_s)
+    def _on_alive(self, nodes: tuple[Health, ...], now_s: float) -> Outputs:
+        for node in nodes:
+            self._liveness.hear(node.name, now_s)
         return []
 
     def _on_speed(self, speed_mps: float, now_s: float) -> Outputs:
@@ -133,6 +135,7 @@ class BridgeComponent(Component):
         out: Outputs = [(STATIONS, one) for one in passed]
         if not self.stations.is_ours(message):
             return out
+        self._hear_health(message)
         messages, moved = session.handle(message, now_s=now_s, ros_s=self.ros_s, datum=self._datum)
         out += self._own(messages)
         if moved:
@@ -156,6 +159,13 @@ class BridgeComponent(Component):
             upload_ms = round(1e3 * accepted.duration_s, 1)
             out.append((topics.UPLOADED, Uploaded(accepted.list_id, accepted.items, upload_ms)))
         return out
+
+    def _hear_health(self, message: mavlink.MAVLink_message) -> None:
+        """Take what is told of the UAV, by its autopilot, and of the radio, by that."""
+        address = self.session.address
+        of_uav = address is not None and message.get_srcSystem() == address.system
+        if of_uav or message.get_type() == "RADIO_STATUS":
+            self.vehicle.handle(message)
 
     def receive_station(
         self, station: int, message: mavlink.MAVLink_message, now_s: float
@@ -236,6 +246,10 @@ class BridgeComponent(Component):
             "reboots": session.state.clock.reboots,
             "link_breaks": self.link_breaks,
             "stations": self.stations.heard(now_s),
+            "heartbeat_age_s": _figure(now_s - session.state.heartbeat_s),
+            "airspeed_mps": _figure(session.state.wind.airspeed_mps),
+            **self.vehicle.values,
+            "uav_text": self.vehicle.text,
             "upload_ms": "" if accepted is None else f"{1e3 * accepted.duration_s:.0f}",
         }
         dead, problem = not session.connected(now_s), session.problem(now_s)
@@ -243,6 +257,10 @@ class BridgeComponent(Component):
             own = self.stations.own
             problem = f"a ground station has this node's address {own.system}.{own.component}"
         return Health(self.name, problem, values, severe=dead)
+
+
+def _figure(value: float) -> str:
+    return f"{value:.1f}" if 0.0 < value < math.inf else ""
 
 
 def _sent(messages: Messages) -> Outputs:

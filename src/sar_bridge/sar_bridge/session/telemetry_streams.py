@@ -16,6 +16,9 @@ STREAMS_HZ = {
     mavlink.MAVLINK_MSG_ID_MISSION_CURRENT: 5.0,
     mavlink.MAVLINK_MSG_ID_VFR_HUD: 2.0,
     mavlink.MAVLINK_MSG_ID_WIND: 1.0,
+    mavlink.MAVLINK_MSG_ID_SYS_STATUS: 0.5,
+    mavlink.MAVLINK_MSG_ID_BATTERY_STATUS: 0.5,
+    mavlink.MAVLINK_MSG_ID_GPS_RAW_INT: 0.5,
 }
 
 

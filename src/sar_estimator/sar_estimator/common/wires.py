@@ -206,6 +206,19 @@ def _health(health: Health, time_s: float) -> DiagnosticArray:
     )
 
 
+def _healths(array: DiagnosticArray) -> tuple[Health, ...]:
+    """Return how nodes are; their figures as texts."""
+    return tuple(
+        Health(
+            status.name,
+            "" if int.from_bytes(status.level, "little") == Level.OK else status.message,
+            {item.key: item.value for item in status.values},
+            severe=int.from_bytes(status.level, "little") >= Level.ERROR,
+        )
+        for status in array.status
+    )
+
+
 def _float(value: float, _time_s: float) -> Float64:
     return Float64(data=value)
 
@@ -394,7 +407,7 @@ WIRES: dict[str, Wire] = {
         DiagnosticArray,
         RELIABLE,
         _health,
-        lambda array: tuple(status.name for status in array.status),
-        lambda health: (health.name,),
+        _healths,
+        lambda health: (health,),
     ),
 }

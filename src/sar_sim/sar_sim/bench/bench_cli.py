@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import os
+import socket
 import subprocess
 import sys
 import tempfile
@@ -26,7 +27,8 @@ from sar_sim.bench.bench import Figure, as_json, cpu_ticks, memory_kb, node_name
 from sar_sim.bench.probe_node import bare_delays_s, flown_pace, graph_delays_s
 from sar_sim.campaign.missions import fly
 from sar_sim.jobs.pool import Workers
-from sar_sim.jobs.processes import end_flight, start_flight
+from sar_sim.jobs.processes import end_flight, folder_bytes, start_flight
+from sar_sim.launch.launch_cli import free_port
 from sar_sim.scenario.options import find_scenario
 from sar_sim.scenario.scenario import Pattern, Scenario, load_scenario, scenario_document
 from sar_sim.world.world import World
@@ -36,6 +38,7 @@ LAGS_M = (-150.0, 1000.0)
 LEG_M = 1500.0
 POOL_MISSIONS = 4
 SETTLING_S, SAMPLED_S = 20.0, 60.0
+BEGUN_S, BEGUN_BYTES = 60.0, 20_000
 LONG_SPEED, GROWN_S, SAMPLE_S, SLOWEST = 10.0, 600.0, 10.0, 1.5
 HELD = 0.98
 UNASKED = ("estimator", "replan", "campaign", "load", "speed", "chain")
@@ -132,11 +135,22 @@ def _used(process: int) -> tuple[float, float]:
     return ticks / os.sysconf("SC_CLK_TCK"), kilobytes / 1024.0
 
 
+def _await_flight(flight: subprocess.Popen[str], out: Path) -> None:
+    """Wait until a flight that was started has begun: its nodes are recorded."""
+    latest = time.monotonic() + BEGUN_S
+    while time.monotonic() < latest and flight.poll() is None:
+        if folder_bytes(out / "bag") > BEGUN_BYTES:
+            return
+        time.sleep(0.2)
+
+
 def graph_load(scratch: Path) -> Iterator[Figure]:
     """Fly the whole graph at real time for a while: CPU, memory, and what is recorded."""
-    flight = start_flight(scratch / "load", "--scenario", "arduplane", "--speed", "1")
+    page = ("--console-port", str(free_port(socket.SOCK_STREAM)))
+    flight = start_flight(scratch / "load", "--scenario", "arduplane", "--speed", "1", *page)
     bag = scratch / "load" / "bag" / "bag.mcap"
     try:
+        _await_flight(flight, scratch / "load")
         time.sleep(SETTLING_S)
         empty, before, begun = bag.stat().st_size, _used(flight.pid)[0], time.monotonic()
         time.sleep(SAMPLED_S)
@@ -145,9 +159,9 @@ def graph_load(scratch: Path) -> Iterator[Figure]:
     finally:
         end_flight(flight)
     yield Figure(
-        "graph", "CPU at real time, of one core", 100.0 * (after - before) / lasted_s, "%", 30.0
+        "graph", "CPU at real time, of one core", 100.0 * (after - before) / lasted_s, "%", 40.0
     )
-    yield Figure("graph", "memory, proportional set size of all processes", memory, "MB", 700.0)
+    yield Figure("graph", "memory, proportional set size of all processes", memory, "MB", 900.0)
     yield Figure("graph", "recorded in an hour", 3.6e-3 * recorded / lasted_s, "MB", 80.0)
 
 
@@ -171,6 +185,7 @@ def graph_memory(scratch: Path, hours: float) -> Iterator[Figure]:
     flight = start_flight(out, "--scenario", str(file), "--speed", str(LONG_SPEED))
     sizes: dict[str, list[float]] = {}
     try:
+        _await_flight(flight, out)
         time.sleep(SETTLING_S + GROWN_S / LONG_SPEED)
         latest = time.monotonic() + SLOWEST * (seconds - GROWN_S) / LONG_SPEED
         while time.monotonic() < latest and flight.poll() is None:

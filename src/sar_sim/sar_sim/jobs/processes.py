@@ -121,8 +121,12 @@ class NodeProcess:
 
 
 def launch_command(out: Path, *options: str) -> list[str]:
-    """Return what flies the whole graph into a folder, as ``launch.sh`` does."""
-    return [sys.executable, "-m", "sar_sim.launch.launch_cli", "--out", str(out), *options]
+    """Return what flies the whole graph into a folder, as ``launch.sh`` does.
+
+    Without the operator's page, unless ``--console-port`` is among the options.
+    """
+    page = () if "--console-port" in options else ("--no-console",)
+    return [sys.executable, "-m", "sar_sim.launch.launch_cli", "--out", str(out), *page, *options]
 
 
 def start_flight(out: Path, *options: str) -> subprocess.Popen[str]:

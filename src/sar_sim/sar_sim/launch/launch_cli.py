@@ -24,6 +24,7 @@ from sar_sim.bags.tracks import load_track
 from sar_sim.jobs.processes import NodeProcess, run_apart
 from sar_sim.launch.dds_cut import DdsCut
 from sar_sim.launch.launch_plan import (
+    ADDRESS_FILE,
     FlightOptions,
     NodeSpec,
     parameter_document,
@@ -86,10 +87,11 @@ class Flight:
         It takes up its work from latched topics. One that ends at once, or by its own decision,
         would do so again.
         """
-        if node.name == "record" and node.age_s > SETTLED_S:
+        if node.name == "console" or (node.name == "record" and node.age_s > SETTLED_S):
+            lost = "nothing is recorded any more" if node.name == "record" else "without a page"
             sys.stderr.write(
-                f"launch: node record ended with exit code {node.exit_code}: flying on, nothing is "
-                f"recorded any more\n{node.last_lines()}\n"
+                f"launch: node {node.name} ended with exit code {node.exit_code}: flying on, "
+                f"{lost}\n{node.last_lines()}\n"
             )
             self.nodes.remove(node)
             return True
@@ -117,7 +119,11 @@ class Flight:
         """Show progress until a node ends for good or a signal comes; return the node."""
         terminal = sys.stdout.isatty()
         told = 0.0
+        address: Path | None = self.out / ADDRESS_FILE
         while not self.stopped_by:
+            if address is not None and address.exists():
+                sys.stdout.write(f"operator's page: {address.read_text('utf-8')}")
+                address = None
             ended = self.ended()
             if ended is not None and not self.restart(ended):
                 return ended
@@ -153,9 +159,9 @@ class Flight:
                 sys.stderr.write(f"launch: {node.name} did not stop and was killed\n")
 
 
-def free_port() -> int:
-    """Return a UDP port of loopback that nobody uses."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+def free_port(kind: socket.SocketKind = socket.SOCK_DGRAM) -> int:
+    """Return a port of loopback that nobody uses; of UDP, unless otherwise asked for."""
+    with socket.socket(socket.AF_INET, kind) as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
 
@@ -176,6 +182,10 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--gcs", action="append", default=[], metavar="URL", help="ground station, udpout:H:P"
     )
+    parser.add_argument(
+        "--console-port", type=int, default=8080, metavar="PORT", help="of the operator's page"
+    )
+    parser.add_argument("--no-console", action="store_true", help="without the operator's page")
     parser.add_argument("--no-sim", action="store_true", help="nothing simulated: a real flight")
     parser.add_argument("--params", type=Path, help="node parameters, default config/params.yaml")
     parser.add_argument("--setup", action="store_true", help="only set up and build")
@@ -198,6 +208,7 @@ def prepare(args: argparse.Namespace) -> Flight:
         engage=args.engage,
         gps=args.gps,
         gcs=tuple(args.gcs),
+        console=0 if args.no_console else args.console_port,
     )
     if options.gps:
         check_url(options.gps)

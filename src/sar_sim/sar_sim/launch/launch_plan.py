@@ -10,6 +10,9 @@ from sar_planner.rules.paper_rules import Rule
 from sar_sim.scenario.options import RECORDED_FIX_SIGMA_M
 from sar_sim.scenario.scenario import Scenario, ScenarioError
 
+ADDRESS_FILE = "console.txt"
+"""In the results folder: the address of the operator's page, with its token."""
+
 
 @dataclass(frozen=True)
 class FlightOptions:
@@ -20,6 +23,7 @@ class FlightOptions:
     says what it sees and does nothing. ``engage``: an autopilot that is not simulated here is
     engaged as soon as the planner agrees. ``gps``: URL of the helicopter's receiver, empty where
     another driver gives its fixes. ``gcs``: URLs of ground stations beside.
+    ``console``: port of the operator's page, 0 for none.
     """
 
     helicopter: str = "sim"
@@ -31,6 +35,7 @@ class FlightOptions:
     engage: bool = False
     gps: str = ""
     gcs: tuple[str, ...] = ()
+    console: int = 0
 
     def __post_init__(self) -> None:
         """Refuse combinations that make no flight."""
@@ -120,6 +125,17 @@ def _monitor_parameters(scenario: Scenario, options: FlightOptions) -> dict[str,
     return found | ({"watch_only": True} if options.watch_only else {})
 
 
+def _console_parameters(scenario: Scenario, options: FlightOptions, bag: Path) -> dict[str, Any]:
+    return {
+        "port": options.console,
+        "spacing_m": scenario.corner.spacing_m,
+        "turn_side": scenario.pattern.turn_side,
+        "swath_m": 2.0 * scenario.sensor.radius_m,
+        "address_file": str(bag.parent / ADDRESS_FILE),
+        "folder": str(bag.parent),
+    }
+
+
 def plan_nodes(
     scenario: Scenario,
     scenario_file: Path,
@@ -147,6 +163,10 @@ def plan_nodes(
         ("sar_bridge", "monitor", _monitor_parameters(scenario, options) | clock),
         ("sar_bridge", "bridge", bridge | clock),
     ]
+    if options.console:
+        wanted.append(
+            ("sar_bridge", "console", _console_parameters(scenario, options, bag) | clock)
+        )
     if options.gps:
         wanted.insert(1, ("sar_estimator", "gps", {"receiver": options.gps} | clock))
     if options.simulation and not (options.live and options.autopilot):
@@ -161,7 +181,7 @@ def parameter_document(specs: list[NodeSpec]) -> dict[str, Any]:
 
 def read_tuned(document: object, name: str) -> dict[str, dict[str, Any]]:
     """Return a parameter file's content by node. Raises ``ScenarioError`` naming what is wrong."""
-    known = ("gps", "estimator", "planner", "monitor", "bridge", "record", "sim")
+    known = ("gps", "estimator", "planner", "monitor", "bridge", "console", "record", "sim")
     if not isinstance(document, dict):
         raise ScenarioError(f"{name}: expected node names with ros__parameters")
     tuned = {}

@@ -1,0 +1,61 @@
+"""The page of a flight that is going on."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Callable
+
+from sar_bridge.console.map_view import Search
+from sar_bridge.console.snapshot import Snapshot
+
+ACTIONS = ("engage", "disengage", "return_home")
+
+
+class LiveDesk:
+    """Shows a component that a node feeds, and asks that node's services.
+
+    ``ask``: of the node; what is answered comes to the component.
+    """
+
+    actions: tuple[str, ...] = ACTIONS
+
+    def __init__(
+        self,
+        snapshot: Callable[[], Snapshot],
+        ask: Callable[[str], None],
+        acknowledge: Callable[[], None],
+        search: Search,
+        folder: str,
+    ) -> None:
+        """Show what ``snapshot`` gives; ``folder``: on the recorder's disk."""
+        self._snapshot, self._ask, self._acknowledge = snapshot, ask, acknowledge
+        self.search = search
+        self._folder = folder
+        self._free: tuple[float, float] = (0.0, -1e9)
+
+    def snapshot(self) -> Snapshot:
+        """Return what is known now."""
+        return self._snapshot()
+
+    def free_gb(self) -> float:
+        """Return the space on the recorder's disk [GB], looked at now and then."""
+        now = time.monotonic()
+        if now - self._free[1] > 5.0:
+            self._free = shutil.disk_usage(self._folder).free / 1e9, now
+        return self._free[0]
+
+    def ask(self, action: str) -> None:
+        """Ask for something."""
+        self._ask(action)
+
+    def acknowledge(self) -> None:
+        """Take the banner for known."""
+        self._acknowledge()
+
+    def span_s(self) -> tuple[float, float] | None:
+        """Only now can be shown."""
+        return None
+
+    def seek(self, time_s: float) -> None:
+        """Only now can be shown."""

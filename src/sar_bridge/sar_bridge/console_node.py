@@ -1,0 +1,179 @@
+"""Node ``console``: the operator's page, on this laptop alone."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import logging
+import secrets
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Annotated
+
+import rclpy
+from nicegui import app, ui
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
+from std_srvs.srv import Trigger
+
+from sar_bridge.console.access import Access
+from sar_bridge.console.component import ConsoleComponent
+from sar_bridge.console.live import LiveDesk
+from sar_bridge.console.map_view import Search
+from sar_bridge.console.page import Desk, Page
+from sar_bridge.console.snapshot import Snapshot
+from sar_estimator.common import topics
+from sar_estimator.common.checked import CHECKED, Positive, Side
+from sar_estimator.common.component_node import ComponentNode
+from sar_estimator.common.node_parameters import parameters, refuse_unknown_parameters
+from sar_estimator.common.node_support import (
+    end_process,
+    start_ros,
+)
+
+SERVICES = {
+    "engage": topics.ENGAGE,
+    "disengage": topics.DISENGAGE,
+    "return_home": topics.RETURN_HOME,
+}
+TITLE = "SAR formation"
+
+
+@dataclass(frozen=True, config=CHECKED)
+class ConsoleParameters:
+    """Parameters of the node.
+
+    port: of the page, on 127.0.0.1. spacing_m, turn_side: of the formation, as the planner has
+    them. swath_m: what each aircraft sees, in width. address_file: the page's address is written
+    there, with its token, for this user alone; empty for none. folder: on the recorder's disk.
+    """
+
+    port: Annotated[int, Field(ge=1, le=65535)] = 8080
+    spacing_m: Positive = 250.0
+    turn_side: Side = 1
+    swath_m: Positive = 250.0
+    address_file: str = ""
+    folder: str = "."
+
+
+PARAMETERS = (ConsoleParameters,)
+
+
+class ConsoleNode(ComponentNode):
+    """Feeds the console's component, and asks services."""
+
+    by_wall_clock = True
+
+    def __init__(self) -> None:
+        """Listen; find the services."""
+        self.console = ConsoleComponent()
+        self.parameters: ConsoleParameters
+        super().__init__("console", self._make)
+        self._clients_by_name = {
+            name: self.create_client(Trigger, topics.name_of(service))
+            for name, service in SERVICES.items()
+        }
+
+    def _make(self, node: Node) -> ConsoleComponent:
+        self.parameters = parameters(node, ConsoleParameters)
+        return self.console
+
+    def component_s(self) -> float:
+        """Return a monotonic clock [s]: how old something is has nothing to do with the graph's."""
+        return time.monotonic()
+
+    def snapshot(self) -> Snapshot:
+        """Return what is known now."""
+        with self.lock:
+            return self.console.snapshot(time.monotonic())
+
+    def acknowledge(self) -> None:
+        """Take the banner for known."""
+        with self.lock:
+            self.console.acknowledge(time.monotonic())
+
+    def ask(self, action: str) -> None:
+        """Ask a service; its answer is shown word for word."""
+        client = self._clients_by_name[action]
+        name = action.replace("_", " ")
+        if not client.service_is_ready():
+            self._answered(f"{name}: nobody answers")
+            return
+        client.call_async(Trigger.Request()).add_done_callback(
+            lambda done: self._answered(f"{name}: {done.result().message}")
+        )
+
+    def _answered(self, text: str) -> None:
+        with self.lock:
+            self.console.answered(text)
+
+
+def show(desk: Desk, port: int, address_file: str) -> None:
+    """Serve the page until the process is asked to end."""
+    token = secrets.token_urlsafe(24)
+    address = f"http://127.0.0.1:{port}/?token={token}"
+    if address_file:
+        file = Path(address_file)
+        file.touch(mode=0o600)
+        file.write_text(f"{address}\n", encoding="utf-8")
+    sys.stdout.write(f"console: {address}\n")
+    sys.stdout.flush()
+    app.add_middleware(Access, port=port, token=token)
+
+    @ui.page("/", title=TITLE)
+    def index() -> None:
+        Page(desk)
+
+    logging.getLogger("nicegui").setLevel(logging.ERROR)
+    ui.run(
+        host="127.0.0.1",
+        port=port,
+        title=TITLE,
+        show=False,
+        reload=False,
+        show_welcome_message=False,
+        reconnect_timeout=10.0,
+    )
+
+
+def _fly(node: ConsoleNode) -> None:
+    own = node.parameters
+    desk = LiveDesk(
+        node.snapshot,
+        node.ask,
+        node.acknowledge,
+        Search(own.swath_m, own.spacing_m, own.turn_side),
+        own.folder,
+    )
+
+    def spin() -> None:
+        with contextlib.suppress(ExternalShutdownException):
+            rclpy.spin(node)
+
+    threading.Thread(target=spin, name="ros", daemon=True).start()
+    show(desk, own.port, own.address_file)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Show the page; 2 and one line on bad input."""
+    parser = argparse.ArgumentParser(prog="console", description=__doc__)
+    parser.parse_args(remove_ros_args(sys.argv)[1:] if argv is None else argv)
+    start_ros(signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        node = ConsoleNode()
+        refuse_unknown_parameters(node)
+        _fly(node)
+    except (ValueError, OSError) as error:
+        sys.stderr.write(f"console: {error}\n")
+        return 2
+    return end_process(0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,76 @@
+"""The page of a desk whose state a test chooses by a file: ``desk_server.py PORT FOLDER``."""
+
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+from conftest import formation, told
+from sar_bridge.console.banner import banner
+from sar_bridge.console.live import ACTIONS
+from sar_bridge.console.map_view import Search
+from sar_bridge.console_node import show
+from sar_estimator.common.reports import MonitorReport, UavStatus
+from sar_estimator.common.states import Phase
+
+PORT, FOLDER = int(sys.argv[1]), Path(sys.argv[2])
+REASON = "150 m in 12 s if the helicopter turns"
+
+
+def with_node(name, *args, **options):
+    well = formation()
+    return replace(well, nodes={**well.nodes, name: told(name, *args, **options)})
+
+
+def alerted(alert):
+    return replace(formation(), monitor=MonitorReport(alert, REASON, thresholds={}))
+
+
+STATES = {
+    "well": formation(),
+    "idle": replace(formation(), rule="idle"),
+    "caution": alerted("caution"),
+    "warning": alerted("warning"),
+    "escape": alerted("escape"),
+    "gps": replace(formation(), phase=Phase.LOST),
+    "stale": replace(formation(), helicopter_age_s=5.0, uav_age_s=5.0),
+    "link": replace(formation(), status=UavStatus("AUTO", armed=True, connected=False)),
+    "silent": with_node("planner", age_s=9.0),
+    "released": replace(
+        with_node("planner", "released: the UAV was taken to mode LOITER"), rule="idle"
+    ),
+    "script": with_node("planner", "<script>window.hacked = true</script><b>bold</b>"),
+}
+
+
+class Desk:
+    """Shows what the file ``state`` names, and writes to ``asked`` what is asked for."""
+
+    actions = ACTIONS
+    search = Search()
+    quiet = ""
+
+    def snapshot(self):
+        state = STATES[(FOLDER / "state").read_text("utf-8")]
+        return replace(state, quiet=self.quiet, answers=("engage: no UAV position",))
+
+    def free_gb(self):
+        return 50.0
+
+    def ask(self, action):
+        with (FOLDER / "asked").open("a", encoding="utf-8") as file:
+            file.write(json.dumps(action) + "\n")
+
+    def acknowledge(self):
+        self.quiet = banner(self.snapshot()).key
+
+    def span_s(self):
+        return None
+
+    def seek(self, time_s):
+        """Nothing else can be shown."""
+
+
+if __name__ in ("__main__", "__mp_main__"):
+    show(Desk(), PORT, str(FOLDER / "address"))
