@@ -104,7 +104,7 @@ def test_an_autopilot_that_must_be_warned_of_is():
     outputs = component.handle(topics.AUTOPILOT, {"NAVL1_PERIOD": 40.0, "FS_GCS_ENABL": 0.0}, 0.0)
     assert of(outputs, NOTICES)[0].level == "warning"
     component.set_clock_back()
-    assert component.planner.helicopter is None
+    assert component.planner.situation.helicopter is None
 
 
 @pytest.mark.parametrize("rate", [0.0, -1.0, 1000.0, math.nan])

@@ -48,10 +48,10 @@ def on_leg(lag, time_s=100.0, **changes):
     """A planner engaged on a leg along +x, the helicopter at x = 0 at ``time_s``."""
     plan = planner(**changes)
     plan.set_status(FLYING)
-    plan.set_helicopter(Motion(time_s, 0.0, 0.0, 20.0, 0.0))
+    plan.situation.set_helicopter(Motion(time_s, 0.0, 0.0, 20.0, 0.0))
     side = changes.get("turn_side", 1)
-    plan.set_uav(Motion(time_s, -lag, -side * 250.0, 20.0, 0.0))
-    plan.set_phase(Phase.CRUISE)
+    plan.situation.set_uav(Motion(time_s, -lag, -side * 250.0, 20.0, 0.0))
+    plan.situation.set_phase(Phase.CRUISE)
     plan.set_leg(leg(time_s))
     assert plan.engage(time_s) == ""
     return plan
@@ -66,11 +66,11 @@ def test_engage_says_what_is_missing():
     assert "mode MANUAL: expected AUTO or GUIDED" in plan.engage(0.0)
     plan.set_status(FLYING)
     assert plan.engage(0.0) == "no UAV position"
-    plan.set_uav(Motion(0.0, 0.0, -250.0, 20.0, 0.0))
+    plan.situation.set_uav(Motion(0.0, 0.0, -250.0, 20.0, 0.0))
     assert plan.engage(0.0) == "no helicopter position"
-    plan.set_helicopter(Motion(0.0, 0.0, 0.0, 20.0, 0.0))
+    plan.situation.set_helicopter(Motion(0.0, 0.0, 0.0, 20.0, 0.0))
     assert plan.engage(0.0) == "helicopter GPS lost"
-    plan.set_phase(Phase.CRUISE)
+    plan.situation.set_phase(Phase.CRUISE)
     assert plan.engage(0.0) == "helicopter's leg not known yet"
     plan.set_leg(leg())
     assert "UAV position 20.0 s old" in plan.engage(20.0)
@@ -106,8 +106,8 @@ def test_a_small_shift_of_the_slot_track_is_listed_later():
     listed = []
     for second in range(1, 60):
         now = 100.0 + second
-        plan.set_uav(Motion(now, 20.0 * second, -250.0, 20.0, 0.0))
-        plan.set_helicopter(Motion(now, 20.0 * second, 0.0, 20.0, 0.0))
+        plan.situation.set_uav(Motion(now, 20.0 * second, -250.0, 20.0, 0.0))
+        plan.situation.set_helicopter(Motion(now, 20.0 * second, 0.0, 20.0, 0.0))
         plan.set_leg(replace(leg(now), foot=Pose(20.0 * second, 5.0, 0.0)))
         if plan.update(now) is not None:
             listed.append(second)
@@ -121,8 +121,8 @@ def test_a_small_shift_of_the_slot_track_is_listed_later():
 def test_corner_measures_lag_and_picks_the_rule(lag, rule):
     plan = on_leg(lag)
     plan.update(100.0)
-    plan.set_phase(Phase.DECELERATING)
-    plan.set_corner(corner(100.0))
+    plan.situation.set_phase(Phase.DECELERATING)
+    plan.situation.set_corner(corner(100.0))
     waypoints = plan.update(100.0)
     assert waypoints.mode == rule == plan.rule
     assert plan.active.plan.lag_m == pytest.approx(lag, abs=1e-6)
@@ -135,9 +135,9 @@ def test_corner_measures_lag_and_picks_the_rule(lag, rule):
 def test_lag_is_that_of_the_onset_however_late_it_is_detected():
     plan = on_leg(100.0)
     plan.update(100.0)
-    plan.set_uav(Motion(104.0, -20.0, -250.0, 20.0, 0.0))
-    plan.set_helicopter(Motion(104.0, 60.0, 0.0, 10.0, 0.0))
-    plan.set_corner(corner(100.0, time_s=104.0))
+    plan.situation.set_uav(Motion(104.0, -20.0, -250.0, 20.0, 0.0))
+    plan.situation.set_helicopter(Motion(104.0, 60.0, 0.0, 10.0, 0.0))
+    plan.situation.set_corner(corner(100.0, time_s=104.0))
     plan.update(104.0)
     assert plan.active.plan.lag_m == pytest.approx(100.0, abs=1e-6)
     assert plan.active.plan.turn_start_m >= 80.0
@@ -146,14 +146,14 @@ def test_lag_is_that_of_the_onset_however_late_it_is_detected():
 def test_corner_is_moved_until_the_uav_turns_and_then_left_alone():
     plan = on_leg(300.0)
     plan.update(100.0)
-    plan.set_corner(corner(100.0))
+    plan.situation.set_corner(corner(100.0))
     first = plan.update(100.0)
     moved = None
     for step in range(1, 400):
         now = 100.0 + 0.1 * step
-        plan.set_uav(Motion(now, -300.0 + 2.0 * step, -250.0, 20.0, 0.0))
-        plan.set_helicopter(Motion(now, min(80.0, 2.0 * step), 0.0, 0.0, 0.0))
-        plan.set_corner(corner(100.0, time_s=now, stop_x=80.0 + 0.05 * step))
+        plan.situation.set_uav(Motion(now, -300.0 + 2.0 * step, -250.0, 20.0, 0.0))
+        plan.situation.set_helicopter(Motion(now, min(80.0, 2.0 * step), 0.0, 0.0, 0.0))
+        plan.situation.set_corner(corner(100.0, time_s=now, stop_x=80.0 + 0.05 * step))
         listed = plan.update(now)
         if plan.active.committed:
             assert listed is None
@@ -168,16 +168,16 @@ def test_corner_is_moved_until_the_uav_turns_and_then_left_alone():
 def test_corner_ends_on_the_new_slot_track():
     plan = on_leg(0.0)
     plan.update(100.0)
-    plan.set_corner(corner(100.0))
+    plan.situation.set_corner(corner(100.0))
     plan.update(100.0)
     end = plan.active.frame.pose_to_map(plan.active.plan.path.end)
     for now in (100.5, 101.0):
-        plan.set_uav(Motion(now, 0.0, -250.0, 20.0, 0.0))
-        plan.set_helicopter(Motion(now, 10.0, 0.0, 20.0, 0.0))
+        plan.situation.set_uav(Motion(now, 0.0, -250.0, 20.0, 0.0))
+        plan.situation.set_helicopter(Motion(now, 10.0, 0.0, 20.0, 0.0))
         plan.update(now)
     assert plan.active.committed
-    plan.set_uav(Motion(150.0, end.x_m, end.y_m - 5.0, 0.0, -20.0))
-    plan.set_helicopter(Motion(150.0, 80.0, -700.0, 0.0, -20.0))
+    plan.situation.set_uav(Motion(150.0, end.x_m, end.y_m - 5.0, 0.0, -20.0))
+    plan.situation.set_helicopter(Motion(150.0, 80.0, -700.0, 0.0, -20.0))
     plan.set_leg(leg(149.0, x=80.0, heading=-math.pi / 2))
     listed = plan.update(150.0)
     assert plan.mode is Mode.LEG
@@ -187,13 +187,13 @@ def test_corner_ends_on_the_new_slot_track():
 def test_withdrawn_corner_goes_back_to_the_leg():
     plan = on_leg(600.0)
     plan.update(100.0)
-    plan.set_phase(Phase.DECELERATING)
-    plan.set_corner(corner(100.0))
+    plan.situation.set_phase(Phase.DECELERATING)
+    plan.situation.set_corner(corner(100.0))
     plan.update(100.0)
     assert plan.mode is Mode.CORNER
-    plan.set_phase(Phase.ACCELERATING)
-    plan.set_helicopter(Motion(102.0, 40.0, 0.0, 18.0, 0.0))
-    plan.set_uav(Motion(102.0, -560.0, -250.0, 20.0, 0.0))
+    plan.situation.set_phase(Phase.ACCELERATING)
+    plan.situation.set_helicopter(Motion(102.0, 40.0, 0.0, 18.0, 0.0))
+    plan.situation.set_uav(Motion(102.0, -560.0, -250.0, 20.0, 0.0))
     assert plan.update(102.0).mode == "leg"
     assert plan.mode is Mode.LEG
 
@@ -202,7 +202,7 @@ def test_withdrawn_corner_goes_back_to_the_leg():
 def test_motion_outside_the_rules_is_told_and_not_planned(changes):
     plan = on_leg(300.0)
     plan.update(100.0)
-    plan.set_corner(corner(100.0, **changes))
+    plan.situation.set_corner(corner(100.0, **changes))
     assert plan.update(100.0) is None
     assert "the rules expect" in plan.problem
     assert plan.mode is Mode.LEG
@@ -220,9 +220,9 @@ def test_a_human_taking_the_mode_ends_the_engagement():
 def test_engaging_from_guided_survives_the_change_to_auto():
     plan = planner()
     plan.set_status(UavStatus("GUIDED", armed=True, connected=True))
-    plan.set_helicopter(Motion(1.0, 0.0, 0.0, 20.0, 0.0))
-    plan.set_uav(Motion(1.0, 0.0, -250.0, 20.0, 0.0))
-    plan.set_phase(Phase.CRUISE)
+    plan.situation.set_helicopter(Motion(1.0, 0.0, 0.0, 20.0, 0.0))
+    plan.situation.set_uav(Motion(1.0, 0.0, -250.0, 20.0, 0.0))
+    plan.situation.set_phase(Phase.CRUISE)
     plan.set_leg(leg())
     assert plan.engage(1.0) == ""
     plan.set_status(UavStatus("GUIDED", armed=True, connected=True))
@@ -243,7 +243,7 @@ def test_a_helicopter_at_the_other_end_of_the_world_is_not_flown_to(rules):
     """A receiver may say anything; a path that long would take for ever to plan."""
     plan = on_leg(0.0, rules=rules)
     assert plan.update(100.0) is not None
-    plan.set_helicopter(Motion(101.0, 5e6, -3e6, 20.0, 0.0))
+    plan.situation.set_helicopter(Motion(101.0, 5e6, -3e6, 20.0, 0.0))
     plan.set_leg(LegEstimate(101.0, Pose(5e6, -3e6, 0.0), 20.0, 1.0, 0.001, 0.1))
     assert plan.update(101.0) is None
     assert plan.problem == "helicopter 5831 km from the UAV: expected within 20 km"
@@ -269,10 +269,10 @@ def test_bad_mission_parameters_are_named():
 def past_corner(plan, *, engage_at=160.0):
     """The helicopter has flown corner 1 while nobody was engaged; the UAV is on the new slot."""
     plan.disengage()
-    plan.set_corner(corner(100.0))
-    plan.set_phase(Phase.CRUISE)
-    plan.set_helicopter(Motion(engage_at, 80.0, -900.0, 0.0, -20.0))
-    plan.set_uav(Motion(engage_at, -170.0, -900.0, 0.0, -20.0))
+    plan.situation.set_corner(corner(100.0))
+    plan.situation.set_phase(Phase.CRUISE)
+    plan.situation.set_helicopter(Motion(engage_at, 80.0, -900.0, 0.0, -20.0))
+    plan.situation.set_uav(Motion(engage_at, -170.0, -900.0, 0.0, -20.0))
     plan.set_leg(leg(engage_at, x=80.0, heading=-math.pi / 2))
     assert plan.engage(engage_at) == ""
     return plan.update(engage_at)
@@ -285,7 +285,7 @@ def test_engaging_after_a_corner_does_not_plan_it_again():
 
 
 def advance(plan, now):
-    plan.set_helicopter(Motion(now, 20.0 * (now - 100.0), 0.0, 20.0, 0.0))
+    plan.situation.set_helicopter(Motion(now, 20.0 * (now - 100.0), 0.0, 20.0, 0.0))
     plan.set_leg(leg(now, 20.0 * (now - 100.0)))
 
 
@@ -297,7 +297,7 @@ def test_nothing_is_planned_while_the_monitor_leads_the_uav_away(rules):
     assert plan.update(100.5) is None
     assert plan.problem == "monitor: sent away: 80 m"
     assert plan.engaged
-    plan.set_uav(Motion(110.0, 100.0, -900.0, 0.0, -20.0))
+    plan.situation.set_uav(Motion(110.0, 100.0, -900.0, 0.0, -20.0))
     advance(plan, 110.0)
     assert plan.update(110.0) is None
     plan.set_monitor(MonitorReport())
@@ -326,8 +326,8 @@ def test_a_refused_leg_is_listed_again_after_a_while():
 
 def test_disengaging_in_a_corner_and_engaging_again_does_not_plan_it_again():
     plan = on_leg(600.0)
-    plan.set_phase(Phase.DECELERATING)
-    plan.set_corner(corner(100.0))
+    plan.situation.set_phase(Phase.DECELERATING)
+    plan.situation.set_corner(corner(100.0))
     plan.update(100.0)
     assert past_corner(plan).mode == "leg"
 
@@ -338,9 +338,9 @@ def test_disengaging_in_a_corner_and_engaging_again_does_not_plan_it_again():
 def test_a_uav_that_is_not_on_its_slot_gets_no_corner_path(uav):
     plan = on_leg(100.0)
     plan.update(100.0)
-    plan.set_uav(Motion(100.0, uav[0], uav[1], uav[2], 0.0))
-    plan.set_phase(Phase.DECELERATING)
-    plan.set_corner(corner(100.0))
+    plan.situation.set_uav(Motion(100.0, uav[0], uav[1], uav[2], 0.0))
+    plan.situation.set_phase(Phase.DECELERATING)
+    plan.situation.set_corner(corner(100.0))
     listed = plan.update(100.0)
     assert listed is None or listed.mode == "leg"
     assert "not planned" in plan.problem
@@ -351,14 +351,14 @@ def test_a_uav_that_is_not_on_its_slot_gets_no_corner_path(uav):
 def test_old_leg_heard_while_the_helicopter_hovers_is_not_flown():
     plan = on_leg(0.0)
     plan.update(100.0)
-    plan.set_corner(corner(100.0))
+    plan.situation.set_corner(corner(100.0))
     plan.update(100.0)
     end = plan.active.frame.pose_to_map(plan.active.plan.path.end)
-    plan.set_uav(Motion(101.0, 0.0, -250.0, 20.0, 0.0))
-    plan.set_helicopter(Motion(101.0, 10.0, 0.0, 20.0, 0.0))
+    plan.situation.set_uav(Motion(101.0, 0.0, -250.0, 20.0, 0.0))
+    plan.situation.set_helicopter(Motion(101.0, 10.0, 0.0, 20.0, 0.0))
     plan.update(101.0)
-    plan.set_helicopter(Motion(150.0, 80.0, 0.0, 0.0, 0.0))
-    plan.set_uav(Motion(150.0, end.x_m, end.y_m - 5.0, 0.0, -20.0))
+    plan.situation.set_helicopter(Motion(150.0, 80.0, 0.0, 0.0, 0.0))
+    plan.situation.set_uav(Motion(150.0, end.x_m, end.y_m - 5.0, 0.0, -20.0))
     assert plan.update(150.0).points[:2, 0] == pytest.approx([-170.0] * 2, abs=1e-6)
     plan.set_leg(leg(95.0))
     assert plan.update(150.1) is None
@@ -367,17 +367,17 @@ def test_old_leg_heard_while_the_helicopter_hovers_is_not_flown():
 def test_a_second_corner_waits_for_the_first():
     plan = on_leg(1200.0)
     plan.update(100.0)
-    plan.set_corner(corner(100.0))
+    plan.situation.set_corner(corner(100.0))
     plan.update(100.0)
     first = plan.active
-    plan.set_helicopter(Motion(136.0, 80.0, -400.0, 0.0, -20.0))
-    plan.set_uav(Motion(136.0, -480.0, -250.0, 20.0, 0.0))
+    plan.situation.set_helicopter(Motion(136.0, 80.0, -400.0, 0.0, -20.0))
+    plan.situation.set_uav(Motion(136.0, -480.0, -250.0, 20.0, 0.0))
     second = replace(corner(134.0, time_s=136.0), stop=Pose(80.0, -500.0, -math.pi / 2))
-    plan.set_corner(second)
+    plan.situation.set_corner(second)
     assert plan.update(136.0) is None
     assert plan.active.k == 1
     assert plan.active.path == first.path
-    assert plan.corners_seen == 2
+    assert plan.situation.corners_seen == 2
 
 
 def test_release_from_guided_to_anything_but_auto():
@@ -391,13 +391,13 @@ def test_release_from_guided_to_anything_but_auto():
 def test_clock_set_back_forgets_the_future():
     plan = on_leg(300.0, time_s=5000.0)
     plan.update(5000.0)
-    plan.set_corner(corner(5000.0))
+    plan.situation.set_corner(corner(5000.0))
     plan.update(5000.0)
     plan.set_clock_back()
     assert plan.active is None
-    seen = plan.corners_seen
-    plan.set_corner(corner(100.0))
-    assert plan.corners_seen == seen + 1
+    seen = plan.situation.corners_seen
+    plan.situation.set_corner(corner(100.0))
+    assert plan.situation.corners_seen == seen + 1
 
 
 def test_nonsense_in_flight_is_told_and_survived():
@@ -407,12 +407,12 @@ def test_nonsense_in_flight_is_told_and_survived():
     assert plan.update(100.1) is None
     tight = MissionPlanner(CornerParameters(spacing_m=105.0), MissionParameters(rules="paper"))
     tight.set_status(FLYING)
-    tight.set_helicopter(Motion(100.0, 0.0, 0.0, 20.0, 0.0))
-    tight.set_uav(Motion(100.0, -250.0, -105.0, 20.0, 0.0))
-    tight.set_phase(Phase.CRUISE)
+    tight.situation.set_helicopter(Motion(100.0, 0.0, 0.0, 20.0, 0.0))
+    tight.situation.set_uav(Motion(100.0, -250.0, -105.0, 20.0, 0.0))
+    tight.situation.set_phase(Phase.CRUISE)
     tight.set_leg(leg(100.0))
     assert tight.engage(100.0) == ""
-    tight.set_corner(corner(100.0, accel=5.0, speed=17.5))
+    tight.situation.set_corner(corner(100.0, accel=5.0, speed=17.5))
     tight.update(100.0)
 
 
@@ -439,13 +439,13 @@ def test_any_order_of_events_keeps_the_planner_sound(rules, events):  # noqa: C9
         if event == "leg":
             plan.set_leg(leg(now, heading=math.pi * (share - 0.5)))
         elif event == "corner":
-            plan.set_corner(corner(now - 3.0, time_s=now, stop_x=1000.0 * share))
+            plan.situation.set_corner(corner(now - 3.0, time_s=now, stop_x=1000.0 * share))
         elif event == "refine" and plan.active is not None:
-            plan.set_corner(replace(plan.active.estimate, time_s=now))
+            plan.situation.set_corner(replace(plan.active.estimate, time_s=now))
         elif event == "phase":
-            plan.set_phase(list(Phase)[value % len(Phase)])
+            plan.situation.set_phase(list(Phase)[value % len(Phase)])
         elif event == "uav":
-            plan.set_uav(Motion(now, 900.0 * share, -250.0 * share, 20.0 * share, -15.0))
+            plan.situation.set_uav(Motion(now, 900.0 * share, -250.0 * share, 20.0 * share, -15.0))
         elif event == "engage":
             plan.engage(now)
         elif event == "disengage":
@@ -454,7 +454,7 @@ def test_any_order_of_events_keeps_the_planner_sound(rules, events):  # noqa: C9
             plan.set_status(UavStatus("MANUAL", armed=True, connected=True))
         elif event == "back":
             plan.set_status(FLYING)
-        plan.set_helicopter(Motion(now, 6.0, 0.0, 20.0, 0.0))
+        plan.situation.set_helicopter(Motion(now, 6.0, 0.0, 20.0, 0.0))
         listed = plan.update(now)
         if listed is not None and plan.active is not None:
             (_, record), _ = corner_outputs(plan.active, listed)

@@ -32,15 +32,16 @@ from sar_estimator.common import topics
 from sar_estimator.common.checked import CHECKED, Positive, Side
 from sar_estimator.common.component_node import ComponentNode
 from sar_estimator.common.node_parameters import parameters, refuse_unknown_parameters
-from sar_estimator.common.node_support import (
-    end_process,
-    start_ros,
-)
+from sar_estimator.common.node_support import end_process, now_s, start_ros
+from sar_estimator.common.reports import Target
 
 SERVICES = {
     "engage": topics.ENGAGE,
     "disengage": topics.DISENGAGE,
     "return_home": topics.RETURN_HOME,
+    "mark": topics.MARK,
+    "orbit": topics.ORBIT,
+    "resume": topics.RESUME,
 }
 TITLE = "SAR formation"
 
@@ -98,6 +99,11 @@ class ConsoleNode(ComponentNode):
         with self.lock:
             self.console.acknowledge(time.monotonic())
 
+    def mark(self, x_m: float, y_m: float) -> None:
+        """Mark a place of the map [m]."""
+        with self.lock:
+            self.publish([(topics.TARGET, Target(now_s(self), x_m, y_m))])
+
     def ask(self, action: str) -> None:
         """Ask a service; its answer is shown word for word."""
         client = self._clients_by_name[action]
@@ -148,6 +154,7 @@ def _fly(node: ConsoleNode) -> None:
         node.snapshot,
         node.ask,
         node.acknowledge,
+        node.mark,
         Search(own.swath_m, own.spacing_m, own.turn_side),
         own.folder,
     )

@@ -16,6 +16,9 @@ SERVICES = {
     "engage": topics.ENGAGE,
     "disengage": topics.DISENGAGE,
     "return_home": topics.RETURN_HOME,
+    "mark": topics.MARK,
+    "orbit": topics.ORBIT,
+    "resume": topics.RESUME,
 }
 
 

@@ -19,6 +19,8 @@ from sar_estimator.common.reports import (
     CornerRecord,
     Health,
     HelicopterReport,
+    Mark,
+    Target,
     UavReport,
     UavStatus,
     WaypointList,
@@ -51,6 +53,7 @@ class PlannerComponent(Component):
         topics.CORNER_PLAN,
         topics.CORNER_PATH,
         topics.MISSION,
+        topics.MARKS,
         topics.DIAGNOSTICS,
     )
     urgent = frozenset({topics.PREDICTION})
@@ -71,13 +74,20 @@ class PlannerComponent(Component):
             topics.UAV_ODOMETRY: self._on_uav,
             topics.LEG: keep(self.planner.set_leg),
             topics.PREDICTION: self._on_corner,
-            topics.PHASE: keep(self.planner.set_phase),
+            topics.PHASE: keep(self.planner.situation.set_phase),
             topics.UAV_STATE: self._on_status,
             topics.AUTOPILOT: self._on_autopilot,
             topics.MONITOR: keep(self.planner.set_monitor),
             topics.WIND: keep(self.planner.set_wind),
+            topics.TARGET: self._on_target,
         }
-        self.services = {topics.ENGAGE: self._engage, topics.DISENGAGE: self._disengage}
+        self.services = {
+            topics.ENGAGE: self._engage,
+            topics.DISENGAGE: self._disengage,
+            topics.MARK: self._mark,
+            topics.ORBIT: self._orbit,
+            topics.RESUME: self._resume,
+        }
 
     # What is known -----------------------------------------------------------------------------
 
@@ -91,15 +101,15 @@ class PlannerComponent(Component):
         return [(topics.MISSION, record)]
 
     def _on_helicopter(self, report: HelicopterReport, _now_s: float) -> Outputs:
-        self.planner.set_helicopter(report.motion)
+        self.planner.situation.set_helicopter(report.motion)
         return []
 
     def _on_uav(self, report: UavReport, _now_s: float) -> Outputs:
-        self.planner.set_uav(report.motion)
+        self.planner.situation.set_uav(report.motion)
         return []
 
     def _on_corner(self, corner: CornerEstimate, _now_s: float) -> Outputs:
-        self.planner.set_corner(corner)
+        self.planner.situation.set_corner(corner)
         return []
 
     def _on_status(self, status: UavStatus, now_s: float) -> Outputs:
@@ -123,6 +133,31 @@ class PlannerComponent(Component):
     def _disengage(self, now_s: float) -> Answer:
         self.planner.disengage()
         return Answer(success=True, message="disengaged", outputs=self._withdrawn(now_s))
+
+    def _on_target(self, target: Target, now_s: float) -> Outputs:
+        return self._marked(self.planner.find.mark(now_s, (target.x_m, target.y_m)))
+
+    def _marked(self, mark: Mark | None) -> Outputs:
+        """Tell what is marked, once something is."""
+        if mark is None:
+            return []
+        text = f"mark {mark.number} at {mark.x_m:.0f} m east, {mark.y_m:.0f} m north of the datum"
+        return [(topics.MARKS, self.planner.find.marks.all), (NOTICES, Notice("info", text))]
+
+    def _mark(self, now_s: float) -> Answer:
+        mark = self.planner.find.mark(now_s)
+        if mark is None:
+            return Answer(success=False, message="no position to mark", outputs=[])
+        return Answer(success=True, message=f"mark {mark.number} set", outputs=self._marked(mark))
+
+    def _orbit(self, now_s: float) -> Answer:
+        reason, mark = self.planner.orbit(now_s), self.planner.find.marks.newest
+        done = "" if mark is None else f"to mark {mark.number}"
+        return Answer(not reason, reason or done, self.tick(now_s))
+
+    def _resume(self, now_s: float) -> Answer:
+        reason = self.planner.resume()
+        return Answer(not reason, reason or "back to the formation", self.tick(now_s))
 
     def _withdrawn(self, now_s: float) -> Outputs:
         """Tell that there is no list any more."""
@@ -174,9 +209,9 @@ class PlannerComponent(Component):
             self.name,
             planner.problem,
             {
-                "corner": planner.corners_seen,
+                "corner": planner.situation.corners_seen,
                 "rule": planner.rule,
-                "phase": planner.phase,
+                "phase": planner.situation.phase,
                 "lag_m": _figure(planner.lag_m()),
                 "separation_m": _figure(planner.separation_m()),
                 "speed_asked_mps": _figure(planner.speed_mps),

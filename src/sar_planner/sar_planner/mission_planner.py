@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from sar_estimator.common.reports import MonitorReport, UavStatus, WaypointList
-from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase, list_id_at
+from sar_estimator.common.states import LegEstimate, list_id_at
 from sar_planner.engagement import ENGAGE_MODES, not_flying, obstacle
+from sar_planner.find import Finding
 from sar_planner.guidance.vehicle import Vehicle
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
@@ -45,9 +46,10 @@ STRATEGIES: dict[str, type[Strategy]] = {
 class MissionPlanner:
     """Engages, disengages, and hands what is known to the chosen strategy.
 
-    ``problem``: why the planner cannot do what it should, empty when all is well. ``list``: the
-    newest waypoint list. Raises ``ParameterError`` at construction for parameters outside the
-    rule set's conditions.
+    ``situation``: takes what is known of the aircraft. ``find``: what was marked, and the circle
+    about it. ``problem``: why the planner cannot do what it should, empty when all is well.
+    ``list``: the newest waypoint list. Raises ``ParameterError`` at construction for parameters
+    outside the rule set's conditions.
     """
 
     def __init__(self, corner: CornerParameters, mission: MissionParameters) -> None:
@@ -57,6 +59,7 @@ class MissionPlanner:
         self.parameters = mission
         self.situation = Situation(corner, mission.turn_side)
         self._strategy = STRATEGIES[mission.rules](self.situation, corner, mission)
+        self.find = Finding(self.situation, corner, mission, self._strategy.lists)
         self.engaged = False
         self.problem = ""
         self.list: PlannedList | None = None
@@ -71,34 +74,6 @@ class MissionPlanner:
         self._new = True
 
     # What is known -----------------------------------------------------------------------------
-
-    @property
-    def helicopter(self) -> Motion | None:
-        """The helicopter's newest motion."""
-        return self.situation.helicopter
-
-    @property
-    def uav(self) -> Motion | None:
-        """The UAV's newest motion."""
-        return self.situation.uav
-
-    @property
-    def phase(self) -> Phase:
-        """The helicopter's phase."""
-        return self.situation.phase
-
-    @property
-    def corners_seen(self) -> int:
-        """How many corners were told of."""
-        return self.situation.corners_seen
-
-    def set_helicopter(self, motion: Motion) -> None:
-        """Take the helicopter's newest motion."""
-        self.situation.set_helicopter(motion)
-
-    def set_uav(self, motion: Motion) -> None:
-        """Take the UAV's newest motion."""
-        self.situation.set_uav(motion)
 
     def set_status(self, status: UavStatus) -> None:
         """Take the autopilot's status; a mode that somebody else chose ends the engagement."""
@@ -119,6 +94,7 @@ class MissionPlanner:
         """Take what the monitor says: while it leads the UAV away, nothing is planned."""
         if self.engaged and status.escaping and not self.monitor.escaping:
             self._strategy.end()
+            self.find.orbit.again()
             self.list = None
         if self.engaged and self.monitor.escaping and not status.escaping:
             self._strategy.begin()
@@ -145,14 +121,6 @@ class MissionPlanner:
         if self._strategy.believes(leg):
             self.situation.set_leg(leg)
 
-    def set_phase(self, phase: Phase) -> None:
-        """Take the helicopter's phase."""
-        self.situation.set_phase(phase)
-
-    def set_corner(self, estimate: CornerEstimate) -> None:
-        """Take a prediction, or a refinement, of the corner ahead."""
-        self.situation.set_corner(estimate)
-
     # Operator ----------------------------------------------------------------------------------
 
     def obstacle(self, now_s: float) -> str:
@@ -176,15 +144,28 @@ class MissionPlanner:
         """Stop leading the UAV."""
         self._new = False
         self._strategy.end()
+        self.find.orbit.end()
         self.engaged = False
         self.list = None
+
+    def orbit(self, now_s: float) -> str:
+        """Begin to orbit the newest mark; return why not, empty when begun."""
+        idle = "" if self.engaged else "not engaged: the UAV is not led"
+        return self.find.order(idle or self.obstacle(now_s))
+
+    def resume(self) -> str:
+        """Go back to the formation; return why not, empty when begun."""
+        reason = self.find.resume()
+        if not reason:
+            self._strategy.begin()
+        return reason
 
     # Measured ----------------------------------------------------------------------------------
 
     @property
     def report(self) -> StrategyReport:
         """What the strategy tells of itself."""
-        return self._strategy.report
+        return self.find.orbit.report if self.find.orbit.flying else self._strategy.report
 
     @property
     def mode(self) -> Mode:
@@ -249,12 +230,15 @@ class MissionPlanner:
         if self.problem:
             return None
         refused = self._refused(now_s)
-        listed = self._strategy.update(now_s)
+        waited = "" if self.find.orbit.state is None else self.find.orbit.state.problem
+        listed = self.find.orbit.update(now_s)
+        if listed is None and not self.find.orbit.flying:
+            listed = self._strategy.update(now_s)
         report, air = self.report, self._strategy.lists.air
         speed = report.speed_mps
         self._course_rad = report.course_rad
         slow = "" if speed is None else air.out_of_reach(self._course_rad, speed)
-        self.problem = "; ".join(note for note in (report.problem, slow, refused) if note)
+        self.problem = "; ".join(note for note in (waited, report.problem, slow, refused) if note)
         if listed is None:
             return None
         name, points = listed
@@ -284,6 +268,9 @@ class MissionPlanner:
         if now_s > self._retry_s and self.mode in (Mode.LEG, Mode.HOLD):
             self._retry_s = now_s + self.parameters.retry_s
             self._strategy.begin()
+        if now_s > self._retry_s and self.mode is Mode.ORBIT:
+            self._retry_s = now_s + self.parameters.retry_s
+            self.find.orbit.again()
         return self.monitor.reason
 
     def set_clock_back(self) -> None:

@@ -38,8 +38,8 @@ class ShownPlanner(PlannerComponent):
         planner, lag = self.planner, self.planner.lag_m()
         message = self._markers.message(
             now_s,
-            helicopter=planner.helicopter,
-            uav=planner.uav,
+            helicopter=planner.situation.helicopter,
+            uav=planner.situation.uav,
             plan=None if planner.list is None else planner.list.points,
             text=planner.rule if lag is None else f"{planner.rule}  L = {lag:.0f} m",
         )

@@ -11,6 +11,7 @@ from sar_estimator.common.pose import Pose
 from sar_estimator.common.reports import (
     Health,
     HelicopterReport,
+    Mark,
     MonitorReport,
     UavReport,
     UavStatus,
@@ -49,6 +50,7 @@ def formation():
         status=UavStatus("AUTO", armed=True, connected=True, tracking_list=True),
         monitor=MonitorReport(thresholds={"min_separation_m": 200.0}),
         wind_mps=(3.0, -4.0),
+        marks=(Mark(1, 90.0, 2500.0, 400.0),),
         parameters={
             "FS_GCS_ENABL": 1.0,
             "FS_LONG_ACTN": 1.0,

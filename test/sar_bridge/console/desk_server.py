@@ -62,6 +62,9 @@ class Desk:
         with (FOLDER / "asked").open("a", encoding="utf-8") as file:
             file.write(json.dumps(action) + "\n")
 
+    def mark(self, x_m, y_m):
+        self.ask(["mark", round(x_m), round(y_m)])
+
     def acknowledge(self):
         self.quiet = banner(self.snapshot()).key
 

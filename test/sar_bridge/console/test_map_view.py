@@ -53,7 +53,17 @@ def test_everything_is_drawn(well, corner):
     snapshot = replace(well, corner=corner)
     root = drawn(snapshot)
     assert {"swath helicopter", "swath uav", "track helicopter", "track uav"} <= kinds(root)
-    assert {"plan", "plandot", "doubt", "stop", "ring", "least", "grid", "gridlabel"} <= kinds(root)
+    assert {
+        "plan",
+        "plandot",
+        "doubt",
+        "stop",
+        "ring",
+        "least",
+        "grid",
+        "gridlabel",
+        "mark",
+    } <= kinds(root)
     labels = [item.text for item in root.iter("text")]
     assert "H" in labels
     assert "UAV" in labels

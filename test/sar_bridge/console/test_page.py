@@ -137,9 +137,26 @@ def test_everything_fits_and_comes_from_this_laptop(page):
 
 def test_every_button_asks_for_what_it_says(desk, page):
     page.get_by_role("button", name="engage", exact=True).tap()
-    page.get_by_role("button", name="return home").click()
-    await_true(lambda: asked(desk) == ["engage", "return_home"])
+    for name in ("return home", "mark", "orbit", "resume"):
+        page.get_by_role("button", name=name, exact=True).click()
+    await_true(lambda: asked(desk) == ["engage", "return_home", "mark", "orbit", "resume"])
     assert "engage: no UAV position" in page.content()  # as it was answered
+
+
+def test_a_place_on_the_map_is_marked_once_it_is_confirmed(desk, page):
+    box = page.locator(".map img").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.click(x, y)
+    page.get_by_role("button", name="cancel").click()
+    page.wait_for_timeout(500)
+    assert asked(desk) == []
+    page.mouse.click(x, y)
+    page.get_by_role("button", name="mark here").click()
+    await_true(lambda: len(asked(desk)) == 1)
+    name, east, north = asked(desk)[0]
+    assert name == "mark"
+    # The middle of the map is between the aircraft.
+    assert (east, north) == pytest.approx((2995.0, -125.0), abs=60.0)
 
 
 def test_disengaging_takes_a_second(desk, page):

@@ -15,7 +15,9 @@ from sar_estimator.common.pose import Pose
 from sar_estimator.common.reports import (
     CornerRecord,
     Health,
+    Mark,
     MonitorReport,
+    Target,
     UavReport,
     UavStatus,
     Uploaded,
@@ -77,6 +79,8 @@ VALUES = {
         Pose(80.0, 3.0, 0.4),
         Pose(79.0, 2.0, 0.4),
     ),
+    topics.TARGET: Target(12.5, 300.0, -40.0),
+    topics.MARKS: (Mark(1, 11.5, 300.0, -40.0), Mark(2, 12.5, -7.0, 1.0)),
     topics.CORNER_PATH: WaypointList(12_500_000_001, 12.5, POINTS),
     topics.MISSION: {"corner": {"spacing_m": "250.0"}, "mission": {"speed_range": ["0.5", "2"]}},
     topics.MONITOR: MonitorReport("caution", "near", 7, thresholds={"a": 1.0}, counts={"b": 2}),
@@ -122,6 +126,9 @@ def test_every_topic_that_nodes_talk_over_is_in_the_table():
         topics.ENGAGE,
         topics.DISENGAGE,
         topics.RETURN_HOME,
+        topics.MARK,
+        topics.ORBIT,
+        topics.RESUME,
     }
     assert set(WIRES) == known - others
 

@@ -19,9 +19,9 @@ def engaged(helicopter, uav, turn_side=1):
     mission = MissionParameters(rules="follow", turn_side=turn_side)
     planner = MissionPlanner(CornerParameters(), mission)
     planner.set_status(UavStatus("AUTO", armed=True, connected=True))
-    planner.set_helicopter(helicopter)
-    planner.set_uav(uav)
-    planner.set_phase(Phase.CRUISE)
+    planner.situation.set_helicopter(helicopter)
+    planner.situation.set_uav(uav)
+    planner.situation.set_phase(Phase.CRUISE)
     planner.set_leg(LEG)
     assert planner.engage(10.0) == ""
     return planner
@@ -47,8 +47,8 @@ def test_a_list_every_second_ahead_of_the_slot_point(side):
 def test_while_the_helicopter_stands_the_slot_stays_where_it_was():
     planner = engaged(Motion(10.0, 0.0, 0.0, 0.0, 20.0), Motion(10.0, 250.0, 0.0, 0.0, 20.0))
     before = planner.update(10.0).points
-    planner.set_helicopter(Motion(12.0, 0.0, 0.0, 0.5, -0.3))
-    planner.set_uav(Motion(12.0, 250.0, 40.0, 0.0, 20.0))
+    planner.situation.set_helicopter(Motion(12.0, 0.0, 0.0, 0.5, -0.3))
+    planner.situation.set_uav(Motion(12.0, 250.0, 40.0, 0.0, 20.0))
     standing = planner.update(12.0).points
     assert np.hypot(*(standing - before).T).max() < 2.0
     assert planner.speed_mps == pytest.approx(18.0)

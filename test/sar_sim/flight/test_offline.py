@@ -70,7 +70,7 @@ def test_noise_dropouts_and_a_human_pilot_are_flown_to_the_end(rules):
     )
     flight = OfflineFlight(scenario, rules=rules)
     assert len(lags(flight)) == 2
-    assert flight.planner.corners_seen == 2
+    assert flight.planner.situation.corners_seen == 2
 
 
 def worst_deviation(scenario):

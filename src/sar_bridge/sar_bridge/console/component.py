@@ -49,7 +49,7 @@ class ConsoleComponent(Component):
     """Keeps what is told; ages are by the clock of ``now_s`` [s], which need not be the graph's."""
 
     name = "console"
-    outputs = (topics.DIAGNOSTICS,)
+    outputs = (topics.DIAGNOSTICS, topics.TARGET)
     period_s = 1.0
 
     def __init__(self, *, is_playback: bool = False) -> None:
@@ -182,5 +182,6 @@ KEPT = {
     topics.MONITOR: "monitor",
     topics.WIND: "wind_mps",
     topics.AUTOPILOT: "parameters",
+    topics.MARKS: "marks",
 }
 """What is kept as it is told, by topic: the field of the snapshot."""

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from sar_bridge.console.map_view import Search
 from sar_bridge.console.snapshot import Snapshot
 
-ACTIONS = ("engage", "disengage", "return_home")
+ACTIONS = ("engage", "disengage", "return_home", "mark", "orbit", "resume")
 
 
 class LiveDesk:
@@ -25,11 +25,13 @@ class LiveDesk:
         snapshot: Callable[[], Snapshot],
         ask: Callable[[str], None],
         acknowledge: Callable[[], None],
+        mark: Callable[[float, float], None],
         search: Search,
         folder: str,
     ) -> None:
         """Show what ``snapshot`` gives; ``folder``: on the recorder's disk."""
         self._snapshot, self._ask, self._acknowledge = snapshot, ask, acknowledge
+        self._mark = mark
         self.search = search
         self._folder = folder
         self._free: tuple[float, float] = (0.0, -1e9)
@@ -52,6 +54,10 @@ class LiveDesk:
     def acknowledge(self) -> None:
         """Take the banner for known."""
         self._acknowledge()
+
+    def mark(self, x_m: float, y_m: float) -> None:
+        """Mark a place of the map [m]."""
+        self._mark(x_m, y_m)
 
     def span_s(self) -> tuple[float, float] | None:
         """Only now can be shown."""

@@ -111,6 +111,7 @@ def picture(snapshot: Snapshot, view: View, search: Search, gaps: BaseGeometry |
         parts.append(_line(track, view, f"track {name}"))
     parts += _plan(snapshot, view)
     parts += _stop(snapshot, view)
+    parts += _marks(snapshot, view)
     parts += _aircraft(snapshot, view)
     return "".join(parts)
 
@@ -228,6 +229,17 @@ def _stop(snapshot: Snapshot, view: View) -> list[str]:
         f'<polygon class="doubt" points="{_pairs(view.to_px(ellipse))}"/>',
         f'<path class="stop" d="M{x - 6:.0f},{y - 6:.0f} l12,12 m0,-12 l-12,12"/>',
     ]
+
+
+def _marks(snapshot: Snapshot, view: View) -> list[str]:
+    """Return what was marked: rings with their numbers."""
+    found: list[str] = []
+    for mark in snapshot.marks:
+        ((x, y),) = view.to_px(np.array([(mark.x_m, mark.y_m)]))
+        found.append(f'<path class="mark" d="M{x - 9:.0f},{y:.0f} h18 m-9,-9 v18"/>')
+        found.append(f'<circle class="mark" cx="{x:.0f}" cy="{y:.0f}" r="9"/>')
+        found.append(_text("marklabel", x + 13, y - 6, str(mark.number)))
+    return found
 
 
 def _aircraft(snapshot: Snapshot, view: View) -> list[str]:

@@ -16,7 +16,15 @@ from sar_bridge.console.banner import NAMES, SHAPES, Banner, Urgency, banner
 from sar_bridge.console.checklist import BY_HAND, checklist
 from sar_bridge.console.figures import Figure, figures
 from sar_bridge.console.lights import lights
-from sar_bridge.console.map_view import Search, View, centre_of, left_out, picture, trend
+from sar_bridge.console.map_view import (
+    Search,
+    View,
+    centre_of,
+    degrees_text,
+    left_out,
+    picture,
+    trend,
+)
 from sar_bridge.console.snapshot import Snapshot
 from sar_bridge.console.style import CSS, SCRIPT
 
@@ -55,6 +63,10 @@ class Desk(Protocol):
         """Take the banner for known."""
         ...
 
+    def mark(self, x_m: float, y_m: float) -> None:
+        """Mark a place of the map [m]."""
+        ...
+
     def span_s(self) -> tuple[float, float] | None:
         """Return when what can be shown begins and ends [s]; None where only now can be."""
         ...
@@ -82,6 +94,7 @@ class Page:
         self._desk = desk
         self._looks = _Looks()
         self._view = View()
+        self._place = 0.0, 0.0
         self._gaps: BaseGeometry | None = None
         self._gaps_s = -math.inf
         self._beeped: tuple[str, float] = ("", -math.inf)
@@ -95,6 +108,7 @@ class Page:
             self._build_side()
             self._build_buttons()
         self._build_checklist()
+        self._build_marking()
         self.update()
         ui.timer(UPDATE_S, self.update)
 
@@ -110,7 +124,9 @@ class Page:
     def _build_map(self) -> None:
         view = self._view
         with ui.element("div").classes("map"):
-            self._map = ui.interactive_image(size=(view.width_px, view.height_px), sanitize=False)
+            self._map = ui.interactive_image(
+                size=(view.width_px, view.height_px), on_mouse=self._touch, sanitize=False
+            )
             with ui.element("div").classes("tools"):
                 _button("+", lambda: self._zoom(-1))
                 _button("-", lambda: self._zoom(1))
@@ -181,6 +197,28 @@ class Page:
                 ui.checkbox(text, on_change=self._ticker(text))
             ui.checkbox("Sound heard (click arms it)", on_change=self._arm)
             _button("close", self._dialog.close)
+
+    def _build_marking(self) -> None:
+        """Build what asks whether a place that was touched is to be marked."""
+        with ui.dialog() as self._marking, ui.card():
+            self._place_text = ui.label()
+            _button("mark here", self._mark_here)
+            _button("cancel", self._marking.close)
+
+    def _touch(self, event: events.MouseEventArguments) -> None:
+        if "mark" in self._desk.actions:
+            self._place = self._view.to_map(event.image_x, event.image_y)
+            datum = self._desk.snapshot().datum
+            if datum is None:
+                return
+            latitude, longitude, _ = datum.to_geodetic(*self._place)
+            text = f"{degrees_text(latitude, 'NS')} {degrees_text(longitude, 'EW')}"
+            self._place_text.set_text(text)
+            self._marking.open()
+
+    def _mark_here(self) -> None:
+        self._desk.mark(*self._place)
+        self._marking.close()
 
     def _ticker(self, text: str) -> Callable[[Ticked], None]:
         def tick(event: Ticked) -> None:

@@ -12,6 +12,7 @@ from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.reports import (
     Health,
     HelicopterReport,
+    Mark,
     MonitorReport,
     UavReport,
     UavStatus,
@@ -79,6 +80,7 @@ class Snapshot:
     trend: FloatArray = field(default_factory=lambda: EMPTY)
     quiet: str = ""
     answers: tuple[str, ...] = ()
+    marks: tuple[Mark, ...] = ()
     is_playback: bool = False
 
     @property

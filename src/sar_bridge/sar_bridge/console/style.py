@@ -45,7 +45,7 @@ svg .old { opacity: 0.35; }
 .dot.idle { color: var(--dim); } .dot.normal { color: var(--normal); }
 .dot.caution { color: var(--caution); } .dot.warning { color: var(--warning); }
 .buttons { grid-area: buttons; display: flex; gap: 8px; }
-.buttons .q-btn { min-height: 58px; flex: 1; font-size: 16px; font-weight: 700;
+.buttons .q-btn { min-height: 58px; flex: 1; font-size: 14px; padding: 4px 6px; font-weight: 700;
   background: var(--panel) !important; color: var(--ink) !important; }
 .buttons .q-btn.hold:active { background: linear-gradient(90deg, var(--warning) 50%,
   var(--panel) 50%) 100% 0 / 200% 100% !important; animation: held 1s linear forwards; }
@@ -68,6 +68,7 @@ svg .escape { fill: none; stroke: var(--warning); stroke-width: 4; stroke-dashar
 svg .escapedot { fill: var(--warning); }
 svg .doubt { fill: var(--heli); fill-opacity: 0.15; stroke: var(--heli); }
 svg .stop { fill: none; stroke: var(--heli); stroke-width: 3; }
+svg .mark { fill: none; stroke: var(--gap); stroke-width: 3; } svg .marklabel { font-weight: 700; }
 svg .ring { fill: none; stroke: var(--dim); stroke-opacity: 0.5; }
 svg .least { fill: none; stroke: var(--warning); stroke-width: 2; stroke-dasharray: 3 5; }
 svg g.helicopter path { fill: var(--heli); stroke: var(--panel); }

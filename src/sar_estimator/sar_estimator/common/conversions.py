@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import (
     AccelWithCovarianceStamped,
+    Point,
+    PointStamped,
     PoseStamped,
     PoseWithCovarianceStamped,
     Quaternion,
@@ -23,6 +26,7 @@ from std_msgs.msg import Header, String
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.pose import Pose
+from sar_estimator.common.reports import Mark
 from sar_estimator.common.states import (
     CornerEstimate,
     FloatArray,
@@ -311,6 +315,40 @@ def path_to_corner(path: Path, covariance: FloatArray | None = None) -> CornerEs
         covariance=np.zeros((2, 2)) if covariance is None else covariance,
         heading_sigma_rad=0.0,
         stop_time_sigma_s=0.0,
+    )
+
+
+def target_message(time_s: float, x_m: float, y_m: float) -> PointStamped:
+    """Return a place of the map as a stamped point."""
+    message = PointStamped(point=Point(x=float(x_m), y=float(y_m)))
+    message.header.stamp = to_stamp(time_s)
+    message.header.frame_id = FRAME
+    return message
+
+
+def marks_to_path(marks: Sequence[Mark], time_s: float) -> Path:
+    """Return marks, in the order of their numbers from 1, as poses stamped with when each was."""
+    path = Path()
+    path.header.stamp = to_stamp(time_s)
+    path.header.frame_id = FRAME
+    for mark in marks:
+        stamped = PoseStamped(pose=_pose_message(Pose(mark.x_m, mark.y_m, 0.0)))
+        stamped.header.stamp = to_stamp(mark.time_s)
+        stamped.header.frame_id = FRAME
+        path.poses.append(stamped)
+    return path
+
+
+def path_to_marks(path: Path) -> tuple[Mark, ...]:
+    """Return the marks of ``marks_to_path``."""
+    return tuple(
+        Mark(
+            number,
+            from_stamp(pose.header.stamp),
+            pose.pose.position.x,
+            pose.pose.position.y,
+        )
+        for number, pose in enumerate(path.poses, start=1)
     )
 
 

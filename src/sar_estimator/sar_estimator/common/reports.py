@@ -29,6 +29,23 @@ class HelicopterReport(NamedTuple):
     velocity_sigma_mps: float
 
 
+class Mark(NamedTuple):
+    """A place that somebody marked at a time [s]: ``number`` from 1, where it is in the map [m]."""
+
+    number: int
+    time_s: float
+    x_m: float
+    y_m: float
+
+
+class Target(NamedTuple):
+    """A place that is to be marked, or a mark that is to be moved there [m]."""
+
+    time_s: float
+    x_m: float
+    y_m: float
+
+
 class UavReport(NamedTuple):
     """The UAV's motion, its heading, and its height above the map's origin [m].
 

@@ -25,10 +25,15 @@ CORNER_PATH = "/planner/path"
 MISSION = "/planner/mission"
 MONITOR = "/monitor/state"
 SCENARIO = "/sim/scenario"
+TARGET = "/target"
+MARKS = "/planner/marks"
 MARKERS = "/markers"
 DIAGNOSTICS = "/diagnostics"
 ENGAGE = "/planner/engage"
 DISENGAGE = "/planner/disengage"
+MARK = "/planner/mark"
+ORBIT = "/planner/orbit"
+RESUME = "/planner/resume"
 RETURN_HOME = "/bridge/return_home"
 TRUE_HELICOPTER = "/sim/helicopter"
 TRUE_UAV = "/sim/uav"
@@ -46,6 +51,7 @@ COMMON = frozenset(
         CORNER,
         PREDICTION,
         PHASE,
+        TARGET,
         SCENARIO,
         TRUE_HELICOPTER,
         TRUE_CORNER,

@@ -6,6 +6,7 @@ hands on what a message would carry of a value: ``carried``.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
@@ -15,6 +16,7 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import (
     AccelWithCovarianceStamped,
+    PointStamped,
     PoseWithCovarianceStamped,
     TwistStamped,
     Vector3Stamped,
@@ -34,6 +36,7 @@ from sar_estimator.common.reports import (
     Health,
     HelicopterReport,
     MonitorReport,
+    Target,
     UavReport,
     UavStatus,
     Uploaded,
@@ -165,6 +168,16 @@ def _status_message(status: UavStatus, _time_s: float) -> DiagnosticStatus:
 
 def _wind(message: Vector3Stamped) -> tuple[float, float]:
     return message.vector.x, message.vector.y
+
+
+def _target(message: PointStamped) -> Target:
+    x, y = message.point.x, message.point.y
+    if message.header.frame_id not in ("", conversions.FRAME) or not math.isfinite(x + y):
+        raise ValueError(
+            f"point {x}, {y} in frame {message.header.frame_id!r}: expected numbers in "
+            f"{conversions.FRAME!r}"
+        )
+    return Target(conversions.from_stamp(message.header.stamp), x, y)
 
 
 def _list_message(waypoints: WaypointList, _time_s: float) -> Path:
@@ -384,6 +397,22 @@ WIRES: dict[str, Wire] = {
         LATCHED,
         lambda values, _: to_status("mission", values),
         values_of,
+        _same,
+    ),
+    topics.TARGET: Wire(
+        "a place in the map to be marked, from a detector or the operator",
+        PointStamped,
+        RELIABLE,
+        lambda target, _: conversions.target_message(*target),
+        _target,
+        _same,
+    ),
+    topics.MARKS: Wire(
+        "what was marked, in the order of its numbers, stamped with when",
+        Path,
+        LATCHED,
+        conversions.marks_to_path,
+        conversions.path_to_marks,
         _same,
     ),
     topics.MARKERS: Wire(

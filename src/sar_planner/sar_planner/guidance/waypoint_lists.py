@@ -33,12 +33,14 @@ class PathListing:
     """A path, in the map, that is to be listed.
 
     ``mode``: what it is for. ``speed_mps``: over ground. ``from_m``: where along it the UAV is.
+    ``spacing_m``: between waypoints on arcs, None for the usual one.
     """
 
     mode: str
     path: FlightPath
     speed_mps: float
     from_m: float = 0.0
+    spacing_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +88,9 @@ class WaypointLists:
         if isinstance(listing, HoldListing):
             ahead = self.loiter(listing.pose, self._p.capture_m)
             return listing.mode, np.array([ahead])
-        points = self.along(listing.path, listing.speed_mps, from_m=listing.from_m)
+        points = self.along(
+            listing.path, listing.speed_mps, from_m=listing.from_m, spacing_m=listing.spacing_m
+        )
         return listing.mode, points
 
     def forget(self) -> None:
@@ -101,25 +105,33 @@ class WaypointLists:
         there = track.offset(along_m, self._aside_m)
         return there.x_m, there.y_m
 
-    def along(self, path: FlightPath, speed_mps: float, *, from_m: float = 0.0) -> FloatArray:
+    def along(
+        self,
+        path: FlightPath,
+        speed_mps: float,
+        *,
+        from_m: float = 0.0,
+        spacing_m: float | None = None,
+    ) -> FloatArray:
         """Return the waypoints of a path in the map, and of the track beyond.
 
         ``from_m``: distance along it [m] where the UAV is. ``speed_mps``: over ground. The first
         one is where the leg begins on which the UAV is then: the bridge leads it onto that leg.
+        ``spacing_m``: between waypoints on arcs, None for the usual one.
         """
         from_m = min(from_m, path.length_m)
         beyond = path.end.offset(self._p.horizon_m)
         far = (beyond.x_m, beyond.y_m), self.loiter(path.end, self._p.horizon_m + LOITER_AHEAD_M)
         if self.tuning is None:
             begin = path.pose_at(from_m)
-            points = path_waypoints(path, self._p.arc_spacing_m, from_m=from_m)
+            points = path_waypoints(path, spacing_m or self._p.arc_spacing_m, from_m=from_m)
             return thinned(np.vstack(((begin.x_m, begin.y_m), points, *far)), LEAST_GAP_M)
         settling = Straight(SETTLING_L1 * self.tuning.l1_m(speed_mps))
         whole = path.then(FlightPath.of(path.end, (settling,)))
         offset = self._offset_at(path.start)
         self._guide = make_guide(whole, self.tuning, speed_mps, air=self.air, offset_m=offset)
         begin = self._guide.place_at(from_m)
-        points = self._guide.waypoints(self._p.guide_spacing_m, from_m=from_m)
+        points = self._guide.waypoints(spacing_m or self._p.guide_spacing_m, from_m=from_m)
         return thinned(np.vstack(((begin.x_m, begin.y_m), points, *far)), GUIDE_GAP_M)
 
     def _offset_at(self, pose: Pose) -> float:

@@ -62,6 +62,8 @@ class MissionParameters:
     detection_s: from a corner's onset to its detection, as a rule (deadbeat).
     retry_s: from a list that did not pass, or a way that was not found, to the next try.
     farthest_m: between the aircraft, beyond which nothing is planned.
+    orbit_radius_m: of the circle about a mark; more than the least separation and its margin.
+    same_mark_m: within which what is marked is a mark that is there already, moved.
     """
 
     turn_side: Side = 1
@@ -96,6 +98,8 @@ class MissionParameters:
     detection_s: NotNegative = 4.0
     retry_s: NotNegative = 2.0
     farthest_m: Positive = 20_000.0
+    orbit_radius_m: Positive = 300.0
+    same_mark_m: NotNegative = 100.0
 
     def __post_init__(self) -> None:
         """Refuse values that do not go together, naming them."""

@@ -21,6 +21,7 @@ class Mode(enum.StrEnum):
     CORNER = "corner"
     REJOIN = "rejoin"
     HOLD = "hold"
+    ORBIT = "orbit"
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from sar_planner.strategies.active_corner import Mode
 from sar_sim.autopilot.presets import parameter_values
 from sar_sim.bags.bag import BagWriter, serialised
 from sar_sim.flight.bus import Bus
+from sar_sim.flight.finder import Finder
 from sar_sim.flight.upload import SimulatedBridge
 from sar_sim.scenario.scenario import Scenario
 from sar_sim.world.truth import TruthComponent
@@ -122,6 +123,7 @@ class OfflineFlight:
             record=None if bag is None else self._record,
             listeners={topics.CLEARED: self._bridge.take, topics.SPEED: self._set_airspeed},
         )
+        self._finder = Finder(scenario.finds, dict(self._planner.services))
         self._published_mode = ""
         self._corners = list(world.corners)
         self._steps = 0
@@ -171,7 +173,7 @@ class OfflineFlight:
         return Progress(
             self.world.time_s,
             self.world.end_s,
-            self.planner.corners_seen,
+            self.planner.situation.corners_seen,
             self.planner.rule,
             self.planner.lag_m(),
             self.planner.separation_m(),
@@ -196,6 +198,9 @@ class OfflineFlight:
             self._record(topics.TRUE_CORNER, self._corners.pop(0))
         for reception in receptions:
             bus.receive(reception)
+        if self.world.helicopter is not None:
+            leader = self.world.helicopter.motion(self.world.time_s)
+            bus.publish_all(self._finder.due(self.world.time_s, bus.now_s, leader))
         if self._truth or receptions or self._steps % STEPS_PER_TICK == 0:
             self._tell_motions()
             self._decide()

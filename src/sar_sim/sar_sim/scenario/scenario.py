@@ -266,6 +266,19 @@ class Fault:
 
 
 @dataclass(frozen=True, slots=True, config=CHECKED)
+class Find:
+    """Somebody is seen at ``time_s``, marked, and orbited for ``orbit_s``; then the UAV resumes.
+
+    ``ahead_m``, ``left_m``: where, from the helicopter; 0, 0: under it.
+    """
+
+    time_s: NotNegative
+    orbit_s: Positive = 300.0
+    ahead_m: float = 0.0
+    left_m: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, config=CHECKED)
 class Scenario:
     """A whole mission."""
 
@@ -280,6 +293,7 @@ class Scenario:
     wind: Wind = field(default_factory=Wind)
     arc_spacing_m: NotNegative = 10.0
     faults: list[Fault] = field(default_factory=list)
+    finds: list[Find] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Check what goes together."""

@@ -43,7 +43,9 @@ def corner_at(onset_s, **changes):
 
 
 def helicopter_at(plan, now_s, vx=20.0, vy=0.0, x=None):
-    plan.set_helicopter(Motion(now_s, 20.0 * (now_s - 100.0) if x is None else x, 0.0, vx, vy))
+    plan.situation.set_helicopter(
+        Motion(now_s, 20.0 * (now_s - 100.0) if x is None else x, 0.0, vx, vy)
+    )
 
 
 def led(mode):
@@ -51,16 +53,16 @@ def led(mode):
     plan = MissionPlanner(CornerParameters(), MissionParameters())
     plan.set_status(UavStatus("AUTO", armed=True, connected=True))
     beside = -600.0 if mode is Mode.REJOIN else -250.0
-    plan.set_uav(Motion(100.0, 0.0, beside, 20.0, 0.0))
+    plan.situation.set_uav(Motion(100.0, 0.0, beside, 20.0, 0.0))
     helicopter_at(plan, 100.0)
-    plan.set_phase(Phase.CRUISE)
+    plan.situation.set_phase(Phase.CRUISE)
     plan.set_leg(leg_at(100.0))
     assert plan.engage(100.0) == ""
     plan.update(100.0)
-    plan.set_uav(Motion(104.0, 80.0, beside, 20.0, 0.0))
+    plan.situation.set_uav(Motion(104.0, 80.0, beside, 20.0, 0.0))
     if mode is Mode.CORNER:
-        plan.set_phase(Phase.DECELERATING)
-        plan.set_corner(corner_at(100.0))
+        plan.situation.set_phase(Phase.DECELERATING)
+        plan.situation.set_corner(corner_at(100.0))
         helicopter_at(plan, 104.0, vx=10.0, x=60.0)
     elif mode is Mode.HOLD:
         plan.set_leg(leg_at(104.0, speed_mps=9.0))
@@ -73,20 +75,20 @@ def led(mode):
 
 
 def goes_on(plan, now_s):
-    plan.set_phase(Phase.CRUISE)
+    plan.situation.set_phase(Phase.CRUISE)
     plan.set_leg(leg_at(now_s))
     helicopter_at(plan, now_s)
 
 
 def predicts(plan, now_s):
-    plan.set_phase(Phase.DECELERATING)
-    plan.set_corner(corner_at(now_s - 4.0))
+    plan.situation.set_phase(Phase.DECELERATING)
+    plan.situation.set_corner(corner_at(now_s - 4.0))
     helicopter_at(plan, now_s, vx=10.0, x=20.0 * (now_s - 104.0) + 60.0)
 
 
 def predicts_what_is_outside_the_rules(plan, now_s):
-    plan.set_phase(Phase.DECELERATING)
-    plan.set_corner(corner_at(now_s - 4.0, speed_mps=40.0))
+    plan.situation.set_phase(Phase.DECELERATING)
+    plan.situation.set_corner(corner_at(now_s - 4.0, speed_mps=40.0))
     helicopter_at(plan, now_s)
 
 
@@ -98,47 +100,47 @@ def takes_it_back(plan, now_s):
 
 def stands(plan, now_s):
     predicts(plan, now_s)
-    plan.set_phase(Phase.STOPPED)
+    plan.situation.set_phase(Phase.STOPPED)
     helicopter_at(plan, now_s, vx=0.0, x=80.0)
 
 
 def turns_and_leaves(plan, now_s):
     stands(plan, now_s)
-    plan.set_phase(Phase.ACCELERATING)
+    plan.situation.set_phase(Phase.ACCELERATING)
     helicopter_at(plan, now_s, vx=0.0, vy=-15.0, x=80.0)
 
 
 def turns_the_other_way(plan, now_s):
     stands(plan, now_s)
-    plan.set_phase(Phase.ACCELERATING)
+    plan.situation.set_phase(Phase.ACCELERATING)
     helicopter_at(plan, now_s, vx=0.0, vy=15.0, x=80.0)
 
 
 def is_lost(plan, _now_s):
-    plan.set_phase(Phase.LOST)
+    plan.situation.set_phase(Phase.LOST)
 
 
 def is_too_slow(plan, now_s):
-    plan.set_phase(Phase.CRUISE)
+    plan.situation.set_phase(Phase.CRUISE)
     plan.set_leg(leg_at(now_s, speed_mps=9.0))
     helicopter_at(plan, now_s, vx=9.0)
 
 
 def uav_is_blown_aside(plan, now_s):
     goes_on(plan, now_s)
-    plan.set_uav(Motion(now_s, 20.0 * (now_s - 100.0), -700.0, 20.0, 0.0))
+    plan.situation.set_uav(Motion(now_s, 20.0 * (now_s - 100.0), -700.0, 20.0, 0.0))
 
 
 def clock_is_set_back(plan, now_s):
     plan.set_clock_back()
     goes_on(plan, now_s)
-    plan.set_uav(Motion(now_s, 20.0 * (now_s - 100.0), -250.0, 20.0, 0.0))
+    plan.situation.set_uav(Motion(now_s, 20.0 * (now_s - 100.0), -250.0, 20.0, 0.0))
 
 
 def is_disengaged_and_engaged(plan, now_s):
     plan.disengage()
     goes_on(plan, now_s)
-    plan.set_uav(Motion(now_s, 20.0 * (now_s - 100.0), -250.0, 20.0, 0.0))
+    plan.situation.set_uav(Motion(now_s, 20.0 * (now_s - 100.0), -250.0, 20.0, 0.0))
     assert plan.engage(now_s) == ""
 
 
@@ -162,7 +164,7 @@ def checked(plan, before):
     """Check what holds for every state, whatever has happened."""
     state = plan._strategy.state
     assert state.corrections >= before.corrections
-    assert state.done_corner <= plan.corners_seen
+    assert state.done_corner <= plan.situation.corners_seen
     assert state.lag_setpoint_m >= 0.0
     if state.mode in (Mode.CORNER, Mode.REJOIN):
         assert state.speed_mps is not None
@@ -205,7 +207,7 @@ def test_every_pair_of_events_leaves_a_whole_state(first, second):
     plan = led(Mode.LEG)
     for event, now_s in ((first, 108.0), (second, 112.0)):
         before = plan._strategy.state
-        plan.set_uav(Motion(now_s, 20.0 * (now_s - 100.0), -250.0, 20.0, 0.0))
+        plan.situation.set_uav(Motion(now_s, 20.0 * (now_s - 100.0), -250.0, 20.0, 0.0))
         event(plan, now_s)
         plan.update(now_s)
         checked(plan, before)

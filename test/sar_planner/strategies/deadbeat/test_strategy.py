@@ -39,11 +39,11 @@ def corner(onset_s, **changes):
 def on_leg(lag, *, beside=0.0, course=0.0, speed=20.0):
     plan = MissionPlanner(CornerParameters(), MissionParameters())
     plan.set_status(FLYING)
-    plan.set_helicopter(Motion(100.0, 0.0, 0.0, speed, 0.0))
-    plan.set_uav(
+    plan.situation.set_helicopter(Motion(100.0, 0.0, 0.0, speed, 0.0))
+    plan.situation.set_uav(
         Motion(100.0, -lag, -250.0 + beside, 20.0 * math.cos(course), 20.0 * math.sin(course))
     )
-    plan.set_phase(Phase.CRUISE)
+    plan.situation.set_phase(Phase.CRUISE)
     plan.set_leg(leg(100.0, speed=speed))
     assert plan.engage(100.0) == ""
     return plan
@@ -74,10 +74,10 @@ def at_a_corner():
     """A planner whose helicopter has been slowing for a corner since t = 100 s."""
     plan = on_leg(0.0)
     plan.update(100.0)
-    plan.set_phase(Phase.DECELERATING)
-    plan.set_uav(Motion(104.0, 80.0, -250.0, 20.0, 0.0))
-    plan.set_helicopter(Motion(104.0, 60.0, 0.0, 10.0, 0.0))
-    plan.set_corner(corner(100.0))
+    plan.situation.set_phase(Phase.DECELERATING)
+    plan.situation.set_uav(Motion(104.0, 80.0, -250.0, 20.0, 0.0))
+    plan.situation.set_helicopter(Motion(104.0, 60.0, 0.0, 10.0, 0.0))
+    plan.situation.set_corner(corner(100.0))
     return plan
 
 
@@ -93,7 +93,7 @@ def test_corner_is_planned_committed_corrected_and_left():
     for tenth in range(1, 120):
         now = 104.0 + 0.1 * tenth
         flown = path.pose_at(20.0 * (now - 100.0 - (1.5 if tenth > 40 else 0.0375 * tenth)))
-        plan.set_uav(
+        plan.situation.set_uav(
             Motion(
                 now,
                 flown.x_m,
@@ -102,7 +102,7 @@ def test_corner_is_planned_committed_corrected_and_left():
                 20.0 * math.sin(flown.heading_rad),
             )
         )
-        plan.set_helicopter(Motion(now, 80.0, 0.0, 0.0, 0.0))
+        plan.situation.set_helicopter(Motion(now, 80.0, 0.0, 0.0, 0.0))
         corrected = plan.update(now) or corrected
     assert plan.active.committed
     assert plan.report.corrections > 0
@@ -124,8 +124,8 @@ def corrected_plan():
 
 def fly(plan, pose, now):
     vx, vy = 20.0 * math.cos(pose.heading_rad), 20.0 * math.sin(pose.heading_rad)
-    plan.set_uav(Motion(now, pose.x_m, pose.y_m, vx, vy))
-    plan.set_helicopter(Motion(now, 80.0, 0.0, 0.0, 0.0))
+    plan.situation.set_uav(Motion(now, pose.x_m, pose.y_m, vx, vy))
+    plan.situation.set_helicopter(Motion(now, 80.0, 0.0, 0.0, 0.0))
     return plan.update(now)
 
 
@@ -152,15 +152,15 @@ def test_a_clock_set_back_ends_the_settling():
 def test_new_leg_another_way_is_approached_too():
     """The pilot turned left instead of right: the slot is on the other side."""
     plan = on_leg(0.0)
-    plan.set_phase(Phase.DECELERATING)
-    plan.set_corner(corner(100.0))
-    plan.set_uav(Motion(104.0, 80.0, -250.0, 20.0, 0.0))
-    plan.set_helicopter(Motion(104.0, 60.0, 0.0, 10.0, 0.0))
+    plan.situation.set_phase(Phase.DECELERATING)
+    plan.situation.set_corner(corner(100.0))
+    plan.situation.set_uav(Motion(104.0, 80.0, -250.0, 20.0, 0.0))
+    plan.situation.set_helicopter(Motion(104.0, 60.0, 0.0, 10.0, 0.0))
     plan.update(104.0)
-    plan.set_uav(Motion(118.0, 200.0, -380.0, 0.0, -20.0))
-    plan.set_phase(Phase.STOPPED)
-    plan.set_phase(Phase.ACCELERATING)
-    plan.set_helicopter(Motion(118.0, 80.0, 70.0, 0.0, 18.0))
+    plan.situation.set_uav(Motion(118.0, 200.0, -380.0, 0.0, -20.0))
+    plan.situation.set_phase(Phase.STOPPED)
+    plan.situation.set_phase(Phase.ACCELERATING)
+    plan.situation.set_helicopter(Motion(118.0, 80.0, 70.0, 0.0, 18.0))
     plan.update(118.0)
     assert plan.report.slot.x_m == pytest.approx(330.0)
     assert math.degrees(plan.report.slot.heading_rad) == pytest.approx(90.0)
@@ -169,13 +169,13 @@ def test_new_leg_another_way_is_approached_too():
 def test_withdrawn_corner_goes_back_to_the_leg():
     plan = on_leg(300.0)
     plan.update(100.0)
-    plan.set_phase(Phase.DECELERATING)
-    plan.set_corner(corner(100.0))
+    plan.situation.set_phase(Phase.DECELERATING)
+    plan.situation.set_corner(corner(100.0))
     assert plan.update(104.0) is not None
     assert plan.mode is Mode.CORNER
-    plan.set_phase(Phase.ACCELERATING)
-    plan.set_helicopter(Motion(105.0, 70.0, 0.0, 15.0, 0.0))
-    plan.set_uav(Motion(105.0, -200.0, -250.0, 20.0, 0.0))
+    plan.situation.set_phase(Phase.ACCELERATING)
+    plan.situation.set_helicopter(Motion(105.0, 70.0, 0.0, 15.0, 0.0))
+    plan.situation.set_uav(Motion(105.0, -200.0, -250.0, 20.0, 0.0))
     assert plan.update(105.0).mode == "leg"
     assert plan.mode is Mode.LEG
 
@@ -189,8 +189,8 @@ def test_helicopter_that_flies_away_is_not_followed():
     assert plan.update(100.1) is None
     assert "holding" in plan.problem
     plan.set_leg(leg(130.0, x=600.0))
-    plan.set_helicopter(Motion(102.0, 40.0, 0.0, 20.0, 0.0))
-    plan.set_uav(Motion(102.0, 40.0, -250.0, 20.0, 0.0))
+    plan.situation.set_helicopter(Motion(102.0, 40.0, 0.0, 20.0, 0.0))
+    plan.situation.set_uav(Motion(102.0, 40.0, -250.0, 20.0, 0.0))
     assert plan.update(102.0) is not None
     assert plan.mode is not Mode.HOLD
 
@@ -198,7 +198,7 @@ def test_helicopter_that_flies_away_is_not_followed():
 def test_unknown_leg_keeps_the_list():
     plan = on_leg(0.0)
     plan.update(100.0)
-    plan.set_phase(Phase.STOPPED)
+    plan.situation.set_phase(Phase.STOPPED)
     assert plan.update(100.2) is None
     assert "leg not known" in plan.problem
 
@@ -206,8 +206,8 @@ def test_unknown_leg_keeps_the_list():
 def test_deceleration_outside_the_rules_is_told():
     plan = on_leg(0.0)
     plan.update(100.0)
-    plan.set_corner(corner(100.0, accel_mps2=0.9))
-    plan.set_phase(Phase.DECELERATING)
+    plan.situation.set_corner(corner(100.0, accel_mps2=0.9))
+    plan.situation.set_phase(Phase.DECELERATING)
     listed = plan.update(100.5)
     assert listed.mode == "rejoin"  # the slot of the new leg is still the place to be
     assert "deceleration 0.90: the rules expect" in plan.problem
@@ -225,7 +225,7 @@ def test_a_path_that_is_not_safe_is_told_as_long_as_it_is_flown():
 
 def test_old_legs_are_not_believed_after_a_stop():
     plan = on_leg(0.0)
-    plan.set_corner(corner(100.0))
+    plan.situation.set_corner(corner(100.0))
     plan.set_leg(replace(leg(101.0), foot=Pose(999.0, 0.0, 0.0)))
     assert plan.situation.leg.foot.x_m == 0.0
     plan.set_leg(replace(leg(130.0), foot=Pose(80.0, -100.0, -math.pi / 2)))
@@ -272,9 +272,9 @@ def test_a_path_that_ends_beside_the_slot_is_left_when_it_has_been_flown():
     end = path.frame.pose_to_map(path.path.end)
     plan._strategy.state = replace(state, path=replace(path, flown_m=path.path.length_m))
     done_s = 100.0 + path.path.length_m / path.speed_mps
-    plan.set_uav(Motion(done_s, end.x_m, end.y_m, 20.0, 0.0))
+    plan.situation.set_uav(Motion(done_s, end.x_m, end.y_m, 20.0, 0.0))
     plan.set_leg(leg(done_s, x=80.0, y=-3000.0, heading=-math.pi / 2.0))
-    plan.set_helicopter(Motion(done_s, 80.0, -3000.0, 0.0, -20.0))
+    plan.situation.set_helicopter(Motion(done_s, 80.0, -3000.0, 0.0, -20.0))
     listed = plan.update(done_s)
     assert listed is not None
     assert listed.mode == "rejoin"
@@ -285,14 +285,14 @@ def test_a_path_that_ends_beside_the_slot_is_left_when_it_has_been_flown():
 def test_a_corner_that_is_withdrawn_at_once_leaves_the_uav_on_its_leg(accel):
     plan = on_leg(0.0)
     plan.update(100.0)
-    plan.set_phase(Phase.DECELERATING)
-    plan.set_corner(corner(99.0, accel_mps2=accel, time_s=100.0))
+    plan.situation.set_phase(Phase.DECELERATING)
+    plan.situation.set_corner(corner(99.0, accel_mps2=accel, time_s=100.0))
     plan.update(100.0)
     assert plan.mode in (Mode.CORNER, Mode.REJOIN)
     now = 101.0
-    plan.set_uav(Motion(now, 20.0, -250.0, 20.0, 0.0))
-    plan.set_helicopter(Motion(now, 20.0, 0.0, 20.0, 0.0))
-    plan.set_phase(Phase.CRUISE)
+    plan.situation.set_uav(Motion(now, 20.0, -250.0, 20.0, 0.0))
+    plan.situation.set_helicopter(Motion(now, 20.0, 0.0, 20.0, 0.0))
+    plan.situation.set_phase(Phase.CRUISE)
     plan.set_leg(leg(now, x=20.0))
     assert plan.update(now).mode == "leg"
     assert plan.mode is Mode.LEG

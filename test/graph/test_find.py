@@ -1,0 +1,70 @@
+"""A find in the graph: marked, orbited, resumed by the operator's commands."""
+
+import math
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from sar_sim.bags.bag import read_messages
+
+pytestmark = [pytest.mark.graph, pytest.mark.timeout(240)]
+ROOT = Path(__file__).parents[2]
+
+
+def ask(flight, action):
+    """Ask by ``operator`` until it is granted."""
+    ends = time.monotonic() + 60.0
+    program = str(ROOT / "install" / "sar_bridge" / "lib" / "sar_bridge" / "operator")
+    while True:
+        answer = subprocess.run(
+            [program, action],
+            env=flight.environment,
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+        if answer.returncode == 0:
+            return answer.stdout
+        assert time.monotonic() < ends, answer.stderr + answer.stdout
+        time.sleep(1.0)
+
+
+def test_a_find_is_marked_orbited_and_left(launch):
+    flight = launch("--scenario", "arduplane", "--speed", "3")
+    bag = flight.out / "bag" / "bag.mcap"
+    ends = time.monotonic() + 60.0
+    while not (bag.exists() and bag.stat().st_size > 100_000):
+        assert time.monotonic() < ends
+        time.sleep(0.2)
+    assert ask(flight, "mark") == "mark: mark 1 set\n"
+    assert ask(flight, "orbit") == "orbit: to mark 1\n"
+    time.sleep(50.0)
+    assert ask(flight, "resume") == "resume: back to the formation\n"
+    time.sleep(20.0)
+    flight.process.terminate()
+    code, _, errors = flight.wait(60.0)
+    assert (code, errors) == (0, "")
+    marks, modes, off, apart, places = [], [], [], [], {}
+    for topic, time_s, message in read_messages(flight.out / "bag"):
+        if topic == "/planner/marks" and message.poses:
+            marks.append(message.poses[-1].pose.position)
+        elif topic == "/planner/mode":
+            modes.append((time_s, message.data))
+        elif topic in ("/sim/uav", "/sim/helicopter"):
+            there = message.pose.pose.position
+            places[topic] = there
+            if len(places) == 2:
+                one, other = places.values()
+                apart.append(math.hypot(one.x - other.x, one.y - other.y))
+            if topic == "/sim/uav" and modes and modes[-1][1] == "orbit":
+                off.append(math.hypot(there.x - marks[-1].x, there.y - marks[-1].y))
+    assert len(marks) == 1
+    named = [mode for _, mode in modes]
+    assert "orbit" in named
+    assert named[-1] != "orbit"
+    last_minute = off[-300:]
+    assert max(abs(radius - 300.0) for radius in last_minute) < 40.0
+    assert min(apart) > 180.0
