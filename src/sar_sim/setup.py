@@ -34,6 +34,7 @@ setup(
             "bench = sar_sim.bench.bench_cli:main",
             "campaign = sar_sim.campaign.campaign_cli:main",
             "monitor_trials = sar_sim.trials.monitor_trials_cli:main",
+            "export = sar_sim.export.export_cli:main",
             "find_trials = sar_sim.trials.find_trials_cli:main",
             "rejoin_trials = sar_sim.trials.rejoin_trials_cli:main",
             "results = sar_sim.results.results_cli:main",

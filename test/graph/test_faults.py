@@ -7,8 +7,8 @@ from itertools import pairwise
 import pytest
 import yaml
 
+from sar_estimator.bags.bag import read_messages
 from sar_estimator.common import topics
-from sar_sim.bags.bag import read_messages
 from sar_sim.launch.dds_cut import IN_OWN_NETWORK, own_network_possible
 from sar_sim.scenario.options import find_scenario
 from sar_sim.scenario.scenario import Fault, load_scenario, scenario_document

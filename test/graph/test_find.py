@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_sim.bags.bag import read_messages
+from sar_estimator.bags.bag import read_messages
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(240)]
 ROOT = Path(__file__).parents[2]

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sar_estimator.bags.bag import open_bag, read_messages
 from sar_estimator.common.wires import WIRES
 from sar_estimator.estimation.parameters import VELOCITY_SIGMA_MPS, EstimatorParameters
-from sar_sim.bags.bag import open_bag, read_messages
 from sar_sim.flight.offline import OfflineFlight
 from sar_sim.flight.replay import Tolerance
 from sar_sim.flight.replay_cli import replayed

@@ -14,6 +14,7 @@ import pytest
 
 from sar_bridge.mavlink.mission_items import waypoint_items
 from sar_bridge.mission.mission_slots import SLOT_ITEMS, SLOTS
+from sar_estimator.bags.bag import read_messages
 from sar_estimator.common import topics
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import Pose
@@ -21,7 +22,6 @@ from sar_estimator.common.wires import WIRES
 from sar_sim.autopilot.autopilot import FlightMode, SimAutopilot
 from sar_sim.autopilot.link import AutopilotLink
 from sar_sim.autopilot.server import AutopilotServer
-from sar_sim.bags.bag import read_messages
 from sar_sim.launch.launch_cli import free_port
 from sar_sim.scenario.scenario import Scenario
 

@@ -9,6 +9,7 @@ import secrets
 import sys
 import threading
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
@@ -27,13 +28,16 @@ from sar_bridge.console.component import ConsoleComponent
 from sar_bridge.console.live import LiveDesk
 from sar_bridge.console.map_view import Search
 from sar_bridge.console.page import Desk, Page
+from sar_bridge.console.playback import PlaybackDesk, Told
 from sar_bridge.console.snapshot import Snapshot
+from sar_estimator.bags.bag import BAG_ERRORS, read_messages
 from sar_estimator.common import topics
 from sar_estimator.common.checked import CHECKED, Positive, Side
 from sar_estimator.common.component_node import ComponentNode
 from sar_estimator.common.node_parameters import parameters, refuse_unknown_parameters
 from sar_estimator.common.node_support import end_process, now_s, start_ros
 from sar_estimator.common.reports import Target
+from sar_estimator.common.wires import WIRES
 
 SERVICES = {
     "engage": topics.ENGAGE,
@@ -148,6 +152,20 @@ def show(desk: Desk, port: int, address_file: str) -> None:
     )
 
 
+def _told(bag: Path) -> Iterator[Told]:
+    """Yield what a bag has of what the page shows."""
+    wanted = set(ConsoleComponent().inputs)
+    for topic, time_s, message in read_messages(bag, wanted):
+        try:
+            yield time_s, topic, WIRES[topic].from_message(message)
+        except ValueError:
+            continue  # of another version: the rest is shown
+
+
+def _play(bag: Path, port: int, speed: float) -> None:
+    show(PlaybackDesk(_told(bag), Search(), time.monotonic, speed=speed), port, "")
+
+
 def _fly(node: ConsoleNode) -> None:
     own = node.parameters
     desk = LiveDesk(
@@ -170,7 +188,17 @@ def _fly(node: ConsoleNode) -> None:
 def main(argv: list[str] | None = None) -> int:
     """Show the page; 2 and one line on bad input."""
     parser = argparse.ArgumentParser(prog="console", description=__doc__)
-    parser.parse_args(remove_ros_args(sys.argv)[1:] if argv is None else argv)
+    parser.add_argument("--bag", type=Path, help="show this recording instead of a flight")
+    parser.add_argument("--port", type=int, default=8080, help="of a recording's page")
+    parser.add_argument("--speed", type=float, default=10.0, help="of a recording that is played")
+    args = parser.parse_args(remove_ros_args(sys.argv)[1:] if argv is None else argv)
+    if args.bag is not None:
+        try:
+            _play(args.bag, args.port, args.speed)
+        except BAG_ERRORS as error:
+            sys.stderr.write(f"console: {args.bag}: {error}\n")
+            return 2
+        return 0
     start_ros(signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = ConsoleNode()

@@ -1,7 +1,7 @@
 import pytest
 
+from sar_estimator.bags.message_types import get_message
 from sar_sim.bags.import_track import main
-from sar_sim.bags.message_types import get_message
 from sar_sim.bags.tracks import load_track
 
 

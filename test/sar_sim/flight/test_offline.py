@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from shapely import LineString, Point
 
+from sar_estimator.bags.bag import read_messages
 from sar_planner.parameters.corner import RULE_SETS
-from sar_sim.bags.bag import read_messages
 from sar_sim.flight.fly_cli import main as fly
 from sar_sim.flight.offline import OfflineFlight
 from sar_sim.report.report import write_report

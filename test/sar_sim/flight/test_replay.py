@@ -17,9 +17,9 @@ from pathlib import Path
 import pytest
 from diagnostic_msgs.msg import KeyValue
 
+from sar_estimator.bags.bag import read_messages
 from sar_estimator.common import topics
 from sar_estimator.estimation.parameters import EstimatorParameters
-from sar_sim.bags.bag import read_messages
 from sar_sim.flight.replay import Tolerance, compare, flown_with, replay
 from sar_sim.flight.replay_cli import main
 

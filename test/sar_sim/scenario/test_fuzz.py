@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sar_sim.bags.bag import BAG_ERRORS, BagWriter
+from sar_estimator.bags.bag import BAG_ERRORS, BagWriter
 from sar_sim.flight.offline import OfflineFlight
 from sar_sim.launch.launch_plan import read_tuned
 from sar_sim.report.flight_data import read_flight

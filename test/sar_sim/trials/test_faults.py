@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from sar_estimator.bags.bag import BagWriter
 from sar_estimator.common.checked import read
 from sar_estimator.common.gps_fix import Fix
-from sar_sim.bags.bag import BagWriter
 from sar_sim.campaign.missions import Observer
 from sar_sim.flight.offline import OfflineFlight
 from sar_sim.scenario.faults import AutopilotFaults, FaultyRadio, NodeFaults

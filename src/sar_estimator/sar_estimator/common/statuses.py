@@ -26,6 +26,15 @@ class Level(IntEnum):
     ERROR = 2
 
 
+def level_of(status: Any) -> Level:
+    """Return a status's level: an octet, which is bytes in rclpy, and a number in rosbags.
+
+    One that is none, as STALE, is an error.
+    """
+    level = status.level if isinstance(status.level, int) else status.level[0]
+    return Level(level) if level in (0, 1) else Level.ERROR
+
+
 def to_status(
     name: str, values: object, *, level: Level = Level.OK, message: str = "ok"
 ) -> DiagnosticStatus:

@@ -44,7 +44,7 @@ from sar_estimator.common.reports import (
     WaypointList,
 )
 from sar_estimator.common.states import MotionEstimate, Phase
-from sar_estimator.common.statuses import Level, to_status, values_of
+from sar_estimator.common.statuses import Level, level_of, to_status, values_of
 
 
 class Quality(StrEnum):
@@ -224,9 +224,9 @@ def _healths(array: DiagnosticArray) -> tuple[Health, ...]:
     return tuple(
         Health(
             status.name,
-            "" if int.from_bytes(status.level, "little") == Level.OK else status.message,
+            "" if level_of(status) is Level.OK else status.message,
             {item.key: item.value for item in status.values},
-            severe=int.from_bytes(status.level, "little") >= Level.ERROR,
+            severe=level_of(status) >= Level.ERROR,
         )
         for status in array.status
     )

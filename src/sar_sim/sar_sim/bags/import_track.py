@@ -9,10 +9,10 @@ from pathlib import Path
 
 from rosbags.rosbag2 import WriterError
 
+from sar_estimator.bags.bag import BagWriter, serialised
 from sar_estimator.common import topics
 from sar_estimator.common.conversions import fix_to_message
 from sar_estimator.common.track_csv import read_track
-from sar_sim.bags.bag import BagWriter, serialised
 
 FIX_KIND = "sensor_msgs/msg/NavSatFix"
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from sar_estimator.bags.bag import BAG_ERRORS, read_messages
 from sar_estimator.common import topics
 from sar_estimator.common.conversions import message_to_fix
 from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.track_csv import read_track
-from sar_sim.bags.bag import BAG_ERRORS, read_messages
 
 
 def load_track(path: Path) -> list[Fix]:

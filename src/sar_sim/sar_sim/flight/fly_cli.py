@@ -9,8 +9,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from sar_estimator.bags.bag import BagWriter
 from sar_planner.parameters.corner import PLANNERS
-from sar_sim.bags.bag import BagWriter
 from sar_sim.bags.tracks import load_track
 from sar_sim.flight.offline import OfflineFlight, Progress
 from sar_sim.report.report import write_report

@@ -10,6 +10,7 @@ from sar_bridge.monitor.component import MonitorComponent
 from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_bridge.monitor.separation_monitor import SeparationMonitor
+from sar_estimator.bags.bag import BagWriter, serialised
 from sar_estimator.common import topics
 from sar_estimator.common.checked import Side
 from sar_estimator.common.component import Component
@@ -25,7 +26,6 @@ from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.strategies.active_corner import Mode
 from sar_sim.autopilot.presets import parameter_values
-from sar_sim.bags.bag import BagWriter, serialised
 from sar_sim.flight.bus import Bus
 from sar_sim.flight.finder import Finder
 from sar_sim.flight.upload import SimulatedBridge

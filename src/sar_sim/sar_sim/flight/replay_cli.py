@@ -6,10 +6,10 @@ import argparse
 import sys
 from pathlib import Path
 
+from sar_estimator.bags.bag import BAG_ERRORS, BagWriter, open_bag, read_messages
 from sar_estimator.common import topics
 from sar_estimator.common.checked import changed
 from sar_estimator.estimation.parameters import VELOCITY_SIGMA_MPS, EstimatorParameters
-from sar_sim.bags.bag import BAG_ERRORS, BagWriter, open_bag, read_messages
 from sar_sim.flight.replay import (
     FIGURES,
     INPUTS,

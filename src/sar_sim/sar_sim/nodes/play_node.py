@@ -14,13 +14,13 @@ from rclpy.publisher import Publisher
 from rosbags.interfaces import Connection, QosDurability
 from rosgraph_msgs.msg import Clock
 
+from sar_estimator.bags.bag import BAG_ERRORS, open_bag
+from sar_estimator.bags.former import as_now, is_former, now_on
+from sar_estimator.bags.message_types import get_message
 from sar_estimator.common import topics
 from sar_estimator.common.component_node import publisher
 from sar_estimator.common.conversions import to_stamp
 from sar_estimator.common.node_support import LATCHED, RELIABLE, start_ros
-from sar_sim.bags.bag import BAG_ERRORS, open_bag
-from sar_sim.bags.former import as_now, is_former, now_on
-from sar_sim.bags.message_types import get_message
 from sar_sim.world.wires import ALL_WIRES
 
 START_DELAY_S = 1.0

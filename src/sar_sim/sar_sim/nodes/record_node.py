@@ -14,14 +14,14 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosbags.rosbag2 import WriterError
 
+from sar_estimator.bags.bag import BagWriter, known_type
+from sar_estimator.bags.message_types import get_message
 from sar_estimator.common import topics
 from sar_estimator.common.checked import CHECKED
 from sar_estimator.common.component_node import publisher
 from sar_estimator.common.conversions import diagnostics
 from sar_estimator.common.node_parameters import parameters
 from sar_estimator.common.node_support import now_s, report_each_second, run_node
-from sar_sim.bags.bag import BagWriter, known_type
-from sar_sim.bags.message_types import get_message
 
 YIELDING = 5  # of niceness: what flies comes first, and a thousand messages of a topic can wait
 DISCOVERY_PERIOD_S = 0.25

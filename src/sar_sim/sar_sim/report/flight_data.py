@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from sar_estimator.bags.bag import read_messages
 from sar_estimator.common import topics
 from sar_estimator.common.conversions import (
     list_id_of,
@@ -16,7 +17,6 @@ from sar_estimator.common.conversions import (
     to_yaw,
 )
 from sar_estimator.common.reports import CornerRecord, MonitorReport
-from sar_sim.bags.bag import read_messages
 from sar_sim.report.coverage import FloatArray
 from sar_sim.world.helicopter import CornerTruth
 from sar_sim.world.wires import ALL_WIRES

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from sar_sim.bags.bag import BAG_ERRORS
+from sar_estimator.bags.bag import BAG_ERRORS
 from sar_sim.report.report import MONITOR_COUNTS, write_report
 
 

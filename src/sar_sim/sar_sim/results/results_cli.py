@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from sar_estimator.bags.bag import BagWriter
 from sar_planner.parameters.corner import RULE_SETS, CornerParameters
-from sar_sim.bags.bag import BagWriter
 from sar_sim.campaign.campaign import Campaign, Combination, load_campaign
 from sar_sim.campaign.campaign_cli import fly_campaign
 from sar_sim.campaign.campaign_table import Summary, summaries

@@ -8,9 +8,9 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from sar_estimator.bags.bag import read_messages
 from sar_estimator.common import topics
 from sar_estimator.common.wires import WIRES
-from sar_sim.bags.bag import read_messages
 from sar_sim.report.flight_data import read_flight
 from sar_sim.report.metrics import separation, true_lag_m
 from sar_sim.scenario.scenario import NODES, Fault, Pattern, Scenario

@@ -12,9 +12,9 @@ from geometry_msgs.msg import Point
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
 
+from sar_estimator.bags.bag import BagWriter, open_bag, read_messages
+from sar_estimator.bags.salvage import is_cut
 from sar_estimator.common.conversions import text_message
-from sar_sim.bags.bag import BagWriter, open_bag, read_messages
-from sar_sim.bags.salvage import is_cut
 
 PERIOD_S, FLUSHED_EVERY, COUNT = 0.1, 10, 600
 

@@ -33,8 +33,8 @@ from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
 
-from sar_sim.bags.former import as_now
-from sar_sim.bags.salvage import is_cut, salvaged
+from sar_estimator.bags.former import as_now
+from sar_estimator.bags.salvage import is_cut, salvaged
 
 # What reading a damaged bag may raise: rosbags believes the lengths and types it reads.
 BAG_ERRORS = (

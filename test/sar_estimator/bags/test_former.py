@@ -5,11 +5,11 @@ import json
 import pytest
 from std_msgs.msg import String
 
+from sar_estimator.bags.former import FORMER, JSON_KIND, as_now
 from sar_estimator.common import topics
 from sar_estimator.common.conversions import list_id_of, path_to_points
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.reports import MonitorReport, UavStatus, Uploaded
-from sar_sim.bags.former import FORMER, JSON_KIND, as_now
 from sar_sim.world.wires import ALL_WIRES
 
 CORNER = {

@@ -1,0 +1,1 @@
+"""Bags: recordings of the graph, written, read, and mended where they were cut."""

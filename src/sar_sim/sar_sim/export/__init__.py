@@ -1,0 +1,1 @@
+"""A flight for other tools: GPX, KML, GeoJSON, and plans for QGroundControl."""
