@@ -28,7 +28,7 @@ def lights(snapshot: Snapshot, free_gb: float) -> list[Light]:
         _receiver(snapshot),
         _link(snapshot),
         *(_node(name, snapshot.node(name)) for name in names),
-        _disk(free_gb),
+        *([] if snapshot.is_playback else [_disk(free_gb)]),
     ]
 
 

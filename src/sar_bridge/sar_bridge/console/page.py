@@ -144,7 +144,8 @@ class Page:
             with ui.element("div").classes("panel"):
                 self._lights = ui.html("", sanitize=False)
             with ui.element("div").classes("panel answers"):
-                self._clock = ui.label().classes("clock")
+                self._clock = ui.label()
+                self._pulse = ui.label().classes("pulse").style("display: none")
                 self._answers = ui.label()
 
     def _build_figure(self, figure: Figure) -> None:
@@ -157,7 +158,8 @@ class Page:
 
     def _build_buttons(self) -> None:
         with ui.element("div").classes("buttons"):
-            _button("checklist", self._open_checklist)
+            if self._desk.span_s() is None:
+                _button("checklist", self._open_checklist)
             for action in self._desk.actions:
                 if action == "disengage":
                     self._build_held(action)
@@ -168,8 +170,8 @@ class Page:
             span = self._desk.span_s()
             if span is not None:
                 begin, end = span
-                slider = ui.slider(min=begin, max=end, value=begin, step=1.0)
-                slider.on_value_change(lambda event: self._seek(event.value))
+                self._slider = ui.slider(min=begin, max=end, value=begin, step=1.0)
+                self._slider.on("change", lambda event: self._seek(event.args))
 
     def _build_held(self, action: str) -> None:
         button = _button(f"{action} (hold 1 s)").classes("hold")
@@ -283,7 +285,13 @@ class Page:
             )
         )
         self._update_checks(snapshot, free_gb)
-        self._clock.set_text(datetime.now(UTC).strftime("%H:%M:%S.%f")[:10] + " UTC")
+        shown = time.time()
+        self._pulse.set_text(f"{shown:.1f}")
+        if snapshot.is_playback:
+            shown = snapshot.now_s
+            self._slider.set_value(shown)
+        at = datetime.fromtimestamp(shown, UTC)
+        self._clock.set_text(at.strftime("%H:%M:%S.%f")[:10] + " UTC")
         self._answers.set_text(" · ".join(snapshot.answers[-2:]))
 
     def _update_banner(self, shown: Banner) -> None:

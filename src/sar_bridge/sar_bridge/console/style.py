@@ -95,13 +95,13 @@ window.beep = (hertz, seconds) => {
   tone.connect(gain); gain.connect(context.destination);
   tone.start(); tone.stop(context.currentTime + seconds);
 };
-// What the page shows is old when its clock stands: the console, or the way to it, is dead.
-let clockText = "", clockSeen = Date.now();
+// What the page shows is old when its pulse stands: the console, or the way to it, is dead.
+let pulseText = "", pulseSeen = Date.now();
 setInterval(() => {
-  const clock = document.querySelector(".clock"), text = clock ? clock.textContent : "";
-  if (text !== clockText) { clockText = text; clockSeen = Date.now(); }
+  const pulse = document.querySelector(".pulse"), text = pulse ? pulse.textContent : "";
+  if (text !== pulseText) { pulseText = text; pulseSeen = Date.now(); }
   const desk = document.querySelector(".desk");
-  if (desk) desk.classList.toggle("stale", Date.now() - clockSeen > 2000);
+  if (desk) desk.classList.toggle("stale", Date.now() - pulseSeen > 2000);
 }, 250);
 </script>
 """
