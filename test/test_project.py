@@ -19,6 +19,7 @@ ROOT = Path(__file__).parents[1]
 SOURCES = sorted((ROOT / "src").glob("*/sar_*/**/*.py"))
 SHELLS = {
     "sar_bridge/console/live",
+    "sar_bridge/console/map_panel",
     "sar_bridge/console/page",
     "sar_bridge/mavlink/link",
     "sar_bridge/mavlink/station_link",

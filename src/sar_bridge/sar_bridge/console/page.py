@@ -5,36 +5,24 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from typing import Protocol
 
 from nicegui import events, ui
-from shapely.geometry.base import BaseGeometry
 
-from sar_bridge.console.banner import NAMES, SHAPES, Banner, Urgency, banner
+from sar_bridge.console.alarm import Alarm
+from sar_bridge.console.banner import NAMES, SHAPES, Banner, banner
 from sar_bridge.console.checklist import BY_HAND, checklist
 from sar_bridge.console.figures import Figure, figures
 from sar_bridge.console.lights import lights
-from sar_bridge.console.map_view import (
-    Search,
-    View,
-    centre_of,
-    degrees_text,
-    left_out,
-    picture,
-    trend,
-)
+from sar_bridge.console.map_panel import MapPanel, button
+from sar_bridge.console.map_view import Search, trend
 from sar_bridge.console.snapshot import Snapshot
 from sar_bridge.console.style import CSS, SCRIPT
 
 UPDATE_S = 0.5
-GAPS_S = 5.0
 HOLD_S = 1.0
-REACHES_M = (500.0, 1000.0, 2000.0, 4000.0, 8000.0, 16000.0)
 PALETTES = ("day", "night", "red")
-BEEPS = {Urgency.CAUTION: (520, 0.25), Urgency.WARNING: (880, 0.35)}
-WARNING_AGAIN_S = 2.0
 Ticked = events.ValueChangeEventArguments[bool | None]
 
 
@@ -76,30 +64,15 @@ class Desk(Protocol):
         ...
 
 
-@dataclass
-class _Looks:
-    """How one browser looks at it."""
-
-    reach: int = 2
-    track_up: bool = False
-    palette: str = "day"
-    sound: bool = False
-
-
 class Page:
     """One browser's page; its timer brings it up to date."""
 
     def __init__(self, desk: Desk) -> None:
         """Build it."""
         self._desk = desk
-        self._looks = _Looks()
-        self._view = View()
-        self._place = 0.0, 0.0
-        self._gaps: BaseGeometry | None = None
-        self._gaps_s = -math.inf
-        self._beeped: tuple[str, float] = ("", -math.inf)
+        self._alarm, self._sounds = Alarm(), False
+        self._look = PALETTES[0]
         self._held_s: dict[str, float] = {}
-        self._by_hand: dict[str, bool] = dict.fromkeys(BY_HAND, False)
         ui.add_css(CSS)
         ui.add_head_html(SCRIPT)
         with ui.element("div").classes("desk"):
@@ -108,7 +81,6 @@ class Page:
             self._build_side()
             self._build_buttons()
         self._build_checklist()
-        self._build_marking()
         self.update()
         ui.timer(UPDATE_S, self.update)
 
@@ -122,16 +94,12 @@ class Page:
             self._action = ui.label().classes("action")
 
     def _build_map(self) -> None:
-        view = self._view
+        mark = self._desk.mark if "mark" in self._desk.actions else None
         with ui.element("div").classes("map"):
-            self._map = ui.interactive_image(
-                size=(view.width_px, view.height_px), on_mouse=self._touch, sanitize=False
-            )
+            self._map = MapPanel(self._desk.search, mark)
             with ui.element("div").classes("tools"):
-                _button("+", lambda: self._zoom(-1))
-                _button("-", lambda: self._zoom(1))
-                self._up = _button("north up", self._turn_map)
-                self._palette = _button("day", self._next_palette)
+                self._map.build_tools()
+                self._palette = button("day", self._next_palette)
 
     def _build_side(self) -> None:
         with ui.element("div").classes("side"):
@@ -159,14 +127,14 @@ class Page:
     def _build_buttons(self) -> None:
         with ui.element("div").classes("buttons"):
             if self._desk.span_s() is None:
-                _button("checklist", self._open_checklist)
+                button("checklist", self._open_checklist)
             for action in self._desk.actions:
                 if action == "disengage":
                     self._build_held(action)
                 else:
                     text = action.replace("_", " ")
-                    _button(text, self._asker(action))
-            _button("acknowledge", self._acknowledge)
+                    button(text, self._asker(action))
+            button("acknowledge", self._acknowledge)
             span = self._desk.span_s()
             if span is not None:
                 begin, end = span
@@ -174,7 +142,7 @@ class Page:
                 self._slider.on("change", lambda event: self._seek(event.args))
 
     def _build_held(self, action: str) -> None:
-        button = _button(f"{action} (hold 1 s)").classes("hold")
+        held = button(f"{action} (hold 1 s)").classes("hold")
 
         def down() -> None:
             self._held_s[action] = time.monotonic()
@@ -184,9 +152,9 @@ class Page:
             if held_s >= HOLD_S:
                 self._desk.ask(action)
 
-        button.on("pointerdown", down, [])
-        button.on("pointerup", up, [])
-        button.on("pointerleave", lambda: self._held_s.pop(action, None), [])
+        held.on("pointerdown", down, [])
+        held.on("pointerup", up, [])
+        held.on("pointerleave", lambda: self._held_s.pop(action, None), [])
 
     def _asker(self, action: str) -> Callable[[], None]:
         return lambda: self._desk.ask(action)
@@ -196,37 +164,9 @@ class Page:
             ui.label("Before engaging").classes("text-h6")
             self._checks = ui.html("", sanitize=False).classes("checks")
             for text in BY_HAND:
-                ui.checkbox(text, on_change=self._ticker(text))
+                ui.checkbox(text)
             ui.checkbox("Sound heard (click arms it)", on_change=self._arm)
-            _button("close", self._dialog.close)
-
-    def _build_marking(self) -> None:
-        """Build what asks whether a place that was touched is to be marked."""
-        with ui.dialog() as self._marking, ui.card():
-            self._place_text = ui.label()
-            _button("mark here", self._mark_here)
-            _button("cancel", self._marking.close)
-
-    def _touch(self, event: events.MouseEventArguments) -> None:
-        if "mark" in self._desk.actions:
-            self._place = self._view.to_map(event.image_x, event.image_y)
-            datum = self._desk.snapshot().datum
-            if datum is None:
-                return
-            latitude, longitude, _ = datum.to_geodetic(*self._place)
-            text = f"{degrees_text(latitude, 'NS')} {degrees_text(longitude, 'EW')}"
-            self._place_text.set_text(text)
-            self._marking.open()
-
-    def _mark_here(self) -> None:
-        self._desk.mark(*self._place)
-        self._marking.close()
-
-    def _ticker(self, text: str) -> Callable[[Ticked], None]:
-        def tick(event: Ticked) -> None:
-            self._by_hand[text] = bool(event.value)
-
-        return tick
+            button("close", self._dialog.close)
 
     # What the browser's user does --------------------------------------------------------------
 
@@ -237,27 +177,17 @@ class Page:
         self._desk.acknowledge()
         self.update()
 
-    def _zoom(self, steps: int) -> None:
-        self._looks.reach = min(max(self._looks.reach + steps, 0), len(REACHES_M) - 1)
-        self.update()
-
-    def _turn_map(self) -> None:
-        self._looks.track_up = not self._looks.track_up
-        self._up.set_text("track up" if self._looks.track_up else "north up")
-        self.update()
-
     def _next_palette(self) -> None:
-        looks = self._looks
-        looks.palette = PALETTES[(PALETTES.index(looks.palette) + 1) % len(PALETTES)]
-        self._palette.set_text(looks.palette)
+        self._look = PALETTES[(PALETTES.index(self._look) + 1) % len(PALETTES)]
+        self._palette.set_text(self._look)
         ui.run_javascript(
             f"document.body.classList.remove('night', 'red');"
-            f"document.body.classList.add('{looks.palette}')"
+            f"document.body.classList.add('{self._look}')"
         )
 
     def _arm(self, event: Ticked) -> None:
-        self._looks.sound = bool(event.value)
-        if self._looks.sound:
+        self._sounds = bool(event.value)
+        if self._sounds:
             ui.run_javascript("armSound()")
 
     def _seek(self, time_s: float) -> None:
@@ -270,7 +200,7 @@ class Page:
         """Show what is known now."""
         snapshot, free_gb = self._desk.snapshot(), self._desk.free_gb()
         self._update_banner(banner(snapshot))
-        self._update_map(snapshot)
+        self._map.update(snapshot)
         for figure in figures(snapshot):
             element, value = self._shown[figure.name]
             value.set_text(figure.text)
@@ -301,30 +231,10 @@ class Page:
         self._state.set_text(shown.state + known)
         self._reason.set_text(shown.reason)
         self._action.set_text(shown.action)
-        key, beeped_s = self._beeped
-        now = time.monotonic()
-        again = shown.urgency is Urgency.WARNING and now - beeped_s >= WARNING_AGAIN_S
-        if shown.sounds and self._looks.sound and (shown.key != key or again):
-            self._beeped = shown.key, now
-            hertz, seconds = BEEPS[shown.urgency]
+        tone = self._alarm.due(shown, time.monotonic()) if self._sounds else None
+        if tone is not None:
+            hertz, seconds = tone
             ui.run_javascript(f"beep({hertz}, {seconds})")
-        elif not shown.sounds:
-            self._beeped = "", -math.inf
-
-    def _update_map(self, snapshot: Snapshot) -> None:
-        now = time.monotonic()
-        if now - self._gaps_s > GAPS_S or snapshot.is_playback:
-            self._gaps, self._gaps_s = left_out(snapshot.tracks, self._desk.search), now
-        up = 0.5 * math.pi
-        if self._looks.track_up and snapshot.leg is not None:
-            up = snapshot.leg.foot.heading_rad
-        self._view = replace(
-            self._view,
-            centre_m=centre_of(snapshot),
-            reach_m=REACHES_M[self._looks.reach],
-            up_rad=up,
-        )
-        self._map.set_content(picture(snapshot, self._view, self._desk.search, self._gaps))
 
     def _update_checks(self, snapshot: Snapshot, free_gb: float) -> None:
         rows = []
@@ -336,10 +246,6 @@ class Page:
                 f'<span>{item.text}</span><span class="why">{_plain(item.why)}</span></div>'
             )
         self._checks.set_content("".join(rows))
-
-
-def _button(text: str, on_click: Callable[[], object] | None = None) -> ui.button:
-    return ui.button(text, on_click=on_click, color=None).props("flat")
 
 
 def _plain(text: str) -> str:

@@ -28,15 +28,18 @@ class Finder:
         self._services = services
         self._asked_s = -AGAIN_S
 
-    def due(self, time_s: float, now_s: float, helicopter: Motion) -> Outputs:
-        """Return what comes of what is due at a mission's time [s]; ``now_s``: by its clock."""
+    def due(self, time_s: float, now_s: float, helicopter: Callable[[], Motion]) -> Outputs:
+        """Return what comes of what is due at a mission's time [s]; ``now_s``: by its clock.
+
+        ``helicopter`` is asked where it is when something is marked.
+        """
         if not self._steps or time_s < self._steps[0][0] or time_s - self._asked_s < AGAIN_S:
             return []
         _, what, find = self._steps[0]
         self._asked_s = time_s
         if what == topics.TARGET:
             self._steps.pop(0)
-            place = helicopter.pose.offset(find.ahead_m, find.left_m)
+            place = helicopter().pose.offset(find.ahead_m, find.left_m)
             return [(topics.TARGET, Target(now_s, place.x_m, place.y_m))]
         answer = self._services[what](now_s)
         if answer.success:

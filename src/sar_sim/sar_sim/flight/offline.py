@@ -17,6 +17,7 @@ from sar_estimator.common.component import Component
 from sar_estimator.common.conversions import stamped_s
 from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.reports import UavStatus, Uploaded, WaypointList
+from sar_estimator.common.states import Motion
 from sar_estimator.common.wires import Quality
 from sar_estimator.estimation.component import EstimatorComponent
 from sar_estimator.estimation.parameters import EstimatorParameters
@@ -198,9 +199,8 @@ class OfflineFlight:
             self._record(topics.TRUE_CORNER, self._corners.pop(0))
         for reception in receptions:
             bus.receive(reception)
-        if self.world.helicopter is not None:
-            leader = self.world.helicopter.motion(self.world.time_s)
-            bus.publish_all(self._finder.due(self.world.time_s, bus.now_s, leader))
+        if self.world.scenario.finds:
+            bus.publish_all(self._finder.due(self.world.time_s, bus.now_s, self._leader))
         if self._truth or receptions or self._steps % STEPS_PER_TICK == 0:
             self._tell_motions()
             self._decide()
@@ -209,6 +209,14 @@ class OfflineFlight:
             bus.publish(topics.DIAGNOSTICS, self._planner.health(bus.now_s))
         if self._steps % STEPS_PER_GUARD == 0:
             bus.tick(self._monitor)
+
+    def _leader(self) -> Motion:
+        """Return the simulated helicopter's motion; of a recorded one what was estimated."""
+        helicopter = self.world.helicopter
+        if helicopter is not None:
+            return helicopter.motion(self.world.time_s)
+        seen = self.planner.situation.helicopter
+        return Motion(0.0, 0.0, 0.0, 0.0, 0.0) if seen is None else seen
 
     def _tell_uploaded(self, arrived: WaypointList) -> None:
         self._bus.publish(topics.UPLOADED, Uploaded(arrived.list_id, len(arrived.points)))

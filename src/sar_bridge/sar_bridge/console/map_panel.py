@@ -1,0 +1,94 @@
+"""The page's map, by NiceGUI: zoom, which way is up, and places that are touched."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+from nicegui import events, ui
+from shapely.geometry.base import BaseGeometry
+
+from sar_bridge.console.map_view import (
+    Search,
+    View,
+    centre_of,
+    degrees_text,
+    left_out,
+    picture,
+)
+from sar_bridge.console.snapshot import Snapshot
+from sar_estimator.common.geodesy import Datum
+
+REACHES_M = (500.0, 1000.0, 2000.0, 4000.0, 8000.0, 16000.0)
+GAPS_S = 5.0
+NORTH_RAD = 0.5 * math.pi
+
+
+def button(text: str, on_click: Callable[[], object] | None = None) -> ui.button:
+    """Return a button of the page's looks."""
+    return ui.button(text, on_click=on_click, color=None).props("flat")
+
+
+class MapPanel:
+    """``mark``: what a confirmed touch does with a place [m]; None where nothing can be marked."""
+
+    def __init__(self, search: Search, mark: Callable[[float, float], None] | None) -> None:
+        """Build it where the page is being built."""
+        self._search, self._mark = search, mark
+        self._view, self._reach, self._track_up = View(), 2, False
+        self._snapshot = Snapshot()
+        self._place = 0.0, 0.0
+        self._gaps: BaseGeometry | None = None
+        self._gaps_s = -math.inf
+        size = (self._view.width_px, self._view.height_px)
+        self._map = ui.interactive_image(size=size, on_mouse=self._touch, sanitize=False)
+        with ui.dialog() as self._marking, ui.card():
+            self._place_text = ui.label()
+            button("mark here", self._mark_here)
+            button("cancel", self._marking.close)
+
+    def build_tools(self) -> None:
+        """Build its buttons."""
+        button("+", lambda: self._zoom(-1))
+        button("-", lambda: self._zoom(1))
+        self._up = button("north up", self._turn)
+
+    def _zoom(self, steps: int) -> None:
+        self._reach = min(max(self._reach + steps, 0), len(REACHES_M) - 1)
+        self.update(self._snapshot)
+
+    def _turn(self) -> None:
+        self._track_up = not self._track_up
+        self._up.set_text("track up" if self._track_up else "north up")
+        self.update(self._snapshot)
+
+    def _touch(self, event: events.MouseEventArguments) -> None:
+        datum: Datum | None = self._snapshot.datum
+        if self._mark is None or datum is None:
+            return
+        self._place = self._view.to_map(event.image_x, event.image_y)
+        latitude, longitude, _ = datum.to_geodetic(*self._place)
+        text = f"{degrees_text(latitude, 'NS')} {degrees_text(longitude, 'EW')}"
+        self._place_text.set_text(text)
+        self._marking.open()
+
+    def _mark_here(self) -> None:
+        assert self._mark is not None
+        self._mark(*self._place)
+        self._marking.close()
+
+    def update(self, snapshot: Snapshot) -> None:
+        """Show what is known; what was left out is worked out now and then."""
+        self._snapshot, now = snapshot, time.monotonic()
+        if now - self._gaps_s > GAPS_S or snapshot.is_playback:
+            self._gaps, self._gaps_s = left_out(snapshot.tracks, self._search), now
+        turned = self._track_up and snapshot.leg is not None
+        self._view = replace(
+            self._view,
+            centre_m=centre_of(snapshot),
+            reach_m=REACHES_M[self._reach],
+            up_rad=snapshot.leg.foot.heading_rad if turned and snapshot.leg else NORTH_RAD,
+        )
+        self._map.set_content(picture(snapshot, self._view, self._search, self._gaps))
