@@ -2,6 +2,7 @@
 
 import fcntl
 import os
+import shutil
 import tempfile
 from pathlib import Path
 
@@ -16,6 +17,17 @@ settings.load_profile("seeded")
 
 DOMAINS = range(100, 220)
 HELD = []
+
+CHROMIUM_OPTIONS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--autoplay-policy=no-user-gesture-required",
+]
 
 
 def free_domain():
@@ -55,3 +67,16 @@ def new_environment():
 def own_domain(new_environment):
     """The environment of processes in a ROS domain of their own."""
     return new_environment()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A headless Chromium; where there is none, what needs it is skipped."""
+    sync_api = pytest.importorskip("playwright.sync_api")
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        pytest.skip("Chromium is not installed")
+    with sync_api.sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=program, args=CHROMIUM_OPTIONS)
+        yield running
+        running.close()

@@ -76,7 +76,7 @@ def test_shells_are_modules():
 @pytest.mark.parametrize("path", SOURCES, ids=name_of)
 def test_only_shells_know_rclpy_clocks_and_processes(path):
     known = {name.partition(".")[0] for name in imported(path)} & CLOCKS_AND_PROCESSES
-    if path.stem.endswith("_node") or path.stem in ("node_support", "node_parameters", "frames"):
+    if path.stem.endswith("_node") or path.stem in ("node_support", "node_parameters"):
         return
     assert "rclpy" not in known
     assert not known or is_shell(path), known

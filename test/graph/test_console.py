@@ -1,7 +1,6 @@
 """The operator's page in a flight: what it shows and does, and what its death changes."""
 
 import re
-import shutil
 import signal
 import socket
 import time
@@ -10,33 +9,16 @@ import pytest
 
 from sar_sim.launch.launch_cli import free_port
 
-sync_api = pytest.importorskip("playwright.sync_api")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-pytestmark = [
-    pytest.mark.graph,
-    pytest.mark.timeout(240),
-    pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed"),
-]
-OPTIONS = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
+pytestmark = [pytest.mark.graph, pytest.mark.timeout(240)]
 WAIT_MS = 60_000
 
 
 @pytest.fixture
-def page():
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=OPTIONS)
-        shown = browser.new_page(viewport={"width": 1280, "height": 800})
-        shown.set_default_timeout(WAIT_MS)
-        yield shown
-        browser.close()
+def page(browser):
+    shown = browser.new_page(viewport={"width": 1280, "height": 800})
+    shown.set_default_timeout(WAIT_MS)
+    yield shown
+    shown.close()
 
 
 def opened(flight, page):

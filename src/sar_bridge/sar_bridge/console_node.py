@@ -30,6 +30,7 @@ from sar_bridge.console.map_view import Search
 from sar_bridge.console.page import Desk, Page
 from sar_bridge.console.playback import PlaybackDesk, Told
 from sar_bridge.console.snapshot import Snapshot
+from sar_bridge.services import SERVICES
 from sar_estimator.bags.bag import BAG_ERRORS, read_messages
 from sar_estimator.common import topics
 from sar_estimator.common.checked import CHECKED, Positive, Side
@@ -39,14 +40,6 @@ from sar_estimator.common.node_support import end_process, now_s, start_ros
 from sar_estimator.common.reports import Target
 from sar_estimator.common.wires import WIRES
 
-SERVICES = {
-    "engage": topics.ENGAGE,
-    "disengage": topics.DISENGAGE,
-    "return_home": topics.RETURN_HOME,
-    "mark": topics.MARK,
-    "orbit": topics.ORBIT,
-    "resume": topics.RESUME,
-}
 TITLE = "SAR formation"
 
 

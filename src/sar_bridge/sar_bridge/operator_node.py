@@ -9,17 +9,9 @@ import rclpy
 from rclpy.utilities import remove_ros_args
 from std_srvs.srv import Trigger
 
+from sar_bridge.services import SERVICES
 from sar_estimator.common import topics
 from sar_estimator.common.node_support import start_ros
-
-SERVICES = {
-    "engage": topics.ENGAGE,
-    "disengage": topics.DISENGAGE,
-    "return_home": topics.RETURN_HOME,
-    "mark": topics.MARK,
-    "orbit": topics.ORBIT,
-    "resume": topics.RESUME,
-}
 
 
 def main(argv: list[str] | None = None) -> int:

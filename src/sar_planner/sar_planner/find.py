@@ -158,7 +158,8 @@ class Orbit:
         at = rest.start
         lost = math.hypot(uav.x_m - at.x_m, uav.y_m - at.y_m) > OFF_M
         ahead = rest.cut(0.0, min(rest.length_m, LOOKED_S * self._corner.speed_mps))
-        if state.is_moved or lost or self._apart_m(ahead, now_s) < self._corner.separation_m:
+        near_m = self._apart_m(ahead, now_s, self._forecasts(now_s))
+        if state.is_moved or lost or near_m < self._corner.separation_m:
             return self._find_way(now_s, uav)
         lap_m = TWO_PI * self._mission.orbit_radius_m
         if rest.length_m < RENEWED_LAPS * lap_m:
@@ -196,13 +197,15 @@ class Orbit:
             turn_m=self._corner.turn_radius_m,
         )
         wanted_m = self._corner.separation_m + mission.separation_margin_m
+        start_s = now_s + mission.reaction_s
+        forecasts = self._forecasts(start_s)
         best: tuple[float, FlightPath, float] | None = None
         for way, around in ways:
             path = self._around(way, around)
             looked = path.cut(0.0, min(path.length_m, 2.0 * LOOKED_S * self._corner.speed_mps))
             if self._cuts_in_front(looked, now_s):
                 continue
-            apart_m = self._apart_m(looked, now_s + mission.reaction_s)
+            apart_m = self._apart_m(looked, start_s, forecasts)
             if best is None or apart_m > best[0]:
                 best = apart_m, path, around
             if apart_m >= wanted_m:
@@ -252,11 +255,11 @@ class Orbit:
         going = Stretch(now_s, towards, fast)
         return [*found, Forecast((going, there), towards, now_s, fast)]
 
-    def _apart_m(self, path: FlightPath, start_s: float) -> float:
+    def _apart_m(self, path: FlightPath, start_s: float, forecasts: Sequence[Forecast]) -> float:
         """Return the least distance of a path to anything the helicopter may do [m]."""
         speed = self._corner.speed_mps
         return min(
-            (_least_m(path, forecast, start_s, speed) for forecast in self._forecasts(start_s)),
+            (_least_m(path, forecast, start_s, speed) for forecast in forecasts),
             default=math.inf,
         )
 
@@ -286,17 +289,11 @@ def _least_m(path: FlightPath, forecast: Forecast, start_s: float, speed_mps: fl
 class Finding:
     """Marks, and who is led about them: ``marks``, ``orbit``."""
 
-    def __init__(
-        self,
-        situation: Situation,
-        corner: CornerParameters,
-        mission: MissionParameters,
-        lists: WaypointLists,
-    ) -> None:
-        """Know nothing. Raises ``ValueError`` for a circle that is too small."""
+    def __init__(self, situation: Situation, mission: MissionParameters, orbit: Orbit) -> None:
+        """Know nothing."""
         self._s, self._stale_s = situation, mission.stale_s
         self.marks = Marks(mission.same_mark_m)
-        self.orbit = Orbit(situation, corner, mission, lists)
+        self.orbit = orbit
 
     def mark(self, now_s: float, place: tuple[float, float] | None = None) -> Mark | None:
         """Mark a place [m]; without one, where the helicopter is, else the UAV; None for nowhere.

@@ -13,7 +13,7 @@ import numpy as np
 from sar_estimator.common.reports import MonitorReport, UavStatus, WaypointList
 from sar_estimator.common.states import LegEstimate, list_id_at
 from sar_planner.engagement import ENGAGE_MODES, not_flying, obstacle
-from sar_planner.find import Finding
+from sar_planner.find import Finding, Orbit
 from sar_planner.guidance.vehicle import Vehicle
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
@@ -59,7 +59,11 @@ class MissionPlanner:
         self.parameters = mission
         self.situation = Situation(corner, mission.turn_side)
         self._strategy = STRATEGIES[mission.rules](self.situation, corner, mission)
-        self.find = Finding(self.situation, corner, mission, self._strategy.lists)
+        self.find = Finding(
+            self.situation,
+            mission,
+            Orbit(self.situation, corner, mission, self._strategy.lists),
+        )
         self.engaged = False
         self.problem = ""
         self.list: PlannedList | None = None
@@ -230,15 +234,16 @@ class MissionPlanner:
         if self.problem:
             return None
         refused = self._refused(now_s)
-        waited = "" if self.find.orbit.state is None else self.find.orbit.state.problem
-        listed = self.find.orbit.update(now_s)
-        if listed is None and not self.find.orbit.flying:
+        orbit = self.find.orbit
+        listed, waits = orbit.update(now_s), ""
+        if not orbit.flying:
             listed = self._strategy.update(now_s)
+            waits = "" if orbit.state is None else orbit.state.problem
         report, air = self.report, self._strategy.lists.air
         speed = report.speed_mps
         self._course_rad = report.course_rad
         slow = "" if speed is None else air.out_of_reach(self._course_rad, speed)
-        self.problem = "; ".join(note for note in (waited, report.problem, slow, refused) if note)
+        self.problem = "; ".join(note for note in (waits, report.problem, slow, refused) if note)
         if listed is None:
             return None
         name, points = listed

@@ -55,7 +55,7 @@ def test_a_transform_is_where_the_odometry_is():
 )
 def test_each_uav_has_its_frame_and_the_helicopter_one_for_all(topic, frame):
     node = FakeNode("/uav2")
-    Frames(node).broadcast(topic, ODOMETRY)
+    Frames(node.get_namespace(), node.create_publisher).broadcast(topic, ODOMETRY)
     ((name, message),) = node.sent
     assert name == "/tf"
     assert [one.child_frame_id for one in message.transforms] == [frame]
@@ -64,12 +64,12 @@ def test_each_uav_has_its_frame_and_the_helicopter_one_for_all(topic, frame):
 @pytest.mark.usefixtures("with_tf")
 def test_other_topics_move_nothing():
     node = FakeNode()
-    Frames(node).broadcast(topics.TRUE_UAV, ODOMETRY)
+    Frames(node.get_namespace(), node.create_publisher).broadcast(topics.TRUE_UAV, ODOMETRY)
     assert node.sent == []
 
 
 def test_without_the_messages_nothing_is_broadcast(monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
     node = FakeNode()
-    Frames(node).broadcast(topics.UAV_ODOMETRY, ODOMETRY)
+    Frames(node.get_namespace(), node.create_publisher).broadcast(topics.UAV_ODOMETRY, ODOMETRY)
     assert node.sent == []

@@ -13,6 +13,7 @@ import pytest
 
 from sar_estimator.gps.receiver import Receiver
 from sar_estimator.gps.source import Source
+from sar_sim.launch.launch_cli import free_port
 
 GPSD = shutil.which("gpsd") or shutil.which("gpsd", path="/usr/sbin")
 pytestmark = [
@@ -38,18 +39,12 @@ def sentences(make, epoch):
     return data, (latitude, longitude)
 
 
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
 def test_its_fixes_are_the_receivers(make):
     controller, device = pty.openpty()
     tty.setraw(device)
     name = os.ttyname(device)
     Path(name).chmod(0o666)  # it gives up root's rights
-    port = free_port()
+    port = free_port(socket.SOCK_STREAM)
     gpsd = subprocess.Popen(
         [GPSD, "-N", "-n", "-S", str(port), name],
         stdout=subprocess.DEVNULL,

@@ -8,8 +8,9 @@ from collections.abc import Callable
 
 from sar_bridge.console.map_view import Search
 from sar_bridge.console.snapshot import Snapshot
+from sar_bridge.services import SERVICES
 
-ACTIONS = ("engage", "disengage", "return_home", "mark", "orbit", "resume")
+ACTIONS = tuple(SERVICES)
 
 
 class LiveDesk:

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from datetime import UTC, datetime
+from html import escape
 from typing import Protocol
 
 from nicegui import events, ui
@@ -210,7 +211,7 @@ class Page:
             "".join(
                 f'<div class="light"><span class="dot {NAMES[one.urgency]}">{SHAPES[one.urgency]}'
                 f'</span><span class="what">{one.name}</span><span class="text">'
-                f"{_plain(one.text)}</span></div>"
+                f"{escape(one.text)}</span></div>"
                 for one in lights(snapshot, free_gb)
             )
         )
@@ -243,10 +244,6 @@ class Page:
             sign = "✔" if item.done else "✘"
             rows.append(
                 f'<div class="check"><span class="dot {name}">{sign}</span>'
-                f'<span>{item.text}</span><span class="why">{_plain(item.why)}</span></div>'
+                f'<span>{item.text}</span><span class="why">{escape(item.why)}</span></div>'
             )
         self._checks.set_content("".join(rows))
-
-
-def _plain(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import queue
 import threading
 from typing import Any
@@ -44,5 +45,7 @@ class StationLink:
             self._link.send([message])
 
     def close(self) -> None:
-        """Close the link."""
+        """Close the link, and end its thread."""
+        with contextlib.suppress(queue.Full):
+            self._waiting.put_nowait(None)
         self._link.close()

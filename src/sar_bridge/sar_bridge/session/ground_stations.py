@@ -91,7 +91,6 @@ class GroundStations:
     def __init__(self, own: Address, count: int) -> None:
         """Have heard none; ``own``: the bridge's address, which none of them may have."""
         self.own = own
-        self._count = count
         self._addresses: list[set[Address]] = [set() for _ in range(count)]
         self._heard_s = [float("-inf")] * count
         self._transfer: _Transfer | None = None
@@ -208,7 +207,7 @@ class GroundStations:
 
         To whom it is meant for; to all where that is not said, but for an answer to a transfer.
         """
-        if not self._count:
+        if not self._addresses:
             return []
         kind, to, packet = message.get_type(), _target(message), _packet(message)
         transfer = self._transfer

@@ -58,7 +58,7 @@ class ComponentNode(Node):
         self.lock = threading.RLock()
         self._component = make(self)
         self._newest_s = 0.0
-        self._frames = Frames(self)
+        self._frames = Frames(self.get_namespace(), self.create_publisher)
         self._senders = {topic: publisher(self, topic) for topic in self._component.outputs}
         for topic in self._component.inputs:
             subscribe(self, topic, self._taker(topic))

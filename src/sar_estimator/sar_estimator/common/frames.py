@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import importlib.util
+from collections.abc import Callable
 from typing import Any
 
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
-from rclpy.node import Node
 
 from sar_estimator.common import topics
 
@@ -31,13 +31,13 @@ def transform_of(odometry: Odometry, namespace: str) -> TransformStamped:
 class Frames:
     """Broadcasts transforms beside odometry; does nothing where there are no such messages."""
 
-    def __init__(self, node: Node) -> None:
-        """Publish ``/tf`` where that is possible."""
-        self._namespace = node.get_namespace()
+    def __init__(self, namespace: str, create_publisher: Callable[[Any, str, int], Any]) -> None:
+        """Publish ``/tf`` where that is possible; ``namespace``: of the node."""
+        self._namespace = namespace
         self._kind: Any = None
         if importlib.util.find_spec("tf2_msgs") is not None:
             self._kind = importlib.import_module("tf2_msgs.msg").TFMessage
-            self._sender = node.create_publisher(self._kind, "/tf", DEPTH)
+            self._sender = create_publisher(self._kind, "/tf", DEPTH)
 
     def broadcast(self, topic: str, message: Any) -> None:
         """Tell where an aircraft is, if a message of this topic does."""
