@@ -33,6 +33,7 @@ SHELLS = {
     "sar_sim/launch/dds_cut",
     "sar_sim/scenario/options",
     "sar_sim/trials/fault_runs",
+    "sar_sim/trials/receiver_terminal",
 }
 CLOCKS_AND_PROCESSES = {"rclpy", "serial", "signal", "socket", "subprocess", "threading", "time"}
 

@@ -36,6 +36,8 @@ setup(
             "monitor_trials = sar_sim.trials.monitor_trials_cli:main",
             "export = sar_sim.export.export_cli:main",
             "find_trials = sar_sim.trials.find_trials_cli:main",
+            "receiver = sar_sim.trials.receiver_cli:main",
+            "receiver_logs = sar_sim.trials.receiver_logs_cli:main",
             "rejoin_trials = sar_sim.trials.rejoin_trials_cli:main",
             "results = sar_sim.results.results_cli:main",
             "rules_figure = sar_sim.results.rules_figure_cli:main",

@@ -15,7 +15,7 @@ WORLD = """
 import json, os, pty, sys, time, tty
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import TwistStamped
+from geometry_msgs.msg import TwistWithCovarianceStamped
 from pyubx2 import GET, UBXMessage
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import NavSatFix
@@ -27,7 +27,9 @@ rclpy.init()
 node = rclpy.create_node("world")
 fixes, speeds, problems = [], [], []
 node.create_subscription(NavSatFix, topics.FIX, fixes.append, qos_profile_sensor_data)
-node.create_subscription(TwistStamped, topics.VELOCITY, speeds.append, qos_profile_sensor_data)
+node.create_subscription(
+    TwistWithCovarianceStamped, topics.FIX_VELOCITY, speeds.append, qos_profile_sensor_data
+)
 
 def note(message):
     for status in message.status:
@@ -73,7 +75,7 @@ speak(lambda: problems[-1] == "ok", 10.0)
 stamps = [fix.header.stamp.sec + 1e-9 * fix.header.stamp.nanosec for fix in fixes]
 print(json.dumps({
     "first": first, "all": len(fixes), "speeds": len(speeds), "problems": problems,
-    "place": [fixes[-1].latitude, fixes[-1].longitude], "north": speeds[-1].twist.linear.y,
+    "place": [fixes[-1].latitude, fixes[-1].longitude], "north": speeds[-1].twist.twist.linear.y,
     "variance": fixes[-1].position_covariance[0], "late": time.time() - stamps[-1],
     "back": sum(after <= before for before, after in zip(stamps, stamps[1:])),
 }))

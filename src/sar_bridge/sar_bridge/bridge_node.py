@@ -35,7 +35,8 @@ class BridgeParameters:
     autopilot, after which it is not heard any more. gcs_url: ground stations beside, URLs with
     spaces between; `udpout:HOST:PORT` sends to one that listens there. source_system,
     source_component: the bridge's own MAVLink address; the system is the autopilot's
-    MAV_GCS_SYSID, the address no ground station's.
+    MAV_GCS_SYSID, the address no ground station's. helicopter_icao: the helicopter's ICAO address,
+    six hexadecimal digits: what the UAV's ADS-B receiver hears of it is compared with its GPS.
     """
 
     autopilot_url: str = "udp:127.0.0.1:14550"
@@ -47,6 +48,7 @@ class BridgeParameters:
     gcs_url: str = ""
     source_system: Annotated[int, Field(ge=1, le=255)] = GROUND_SYSTEM
     source_component: Annotated[int, Field(ge=1, le=255)] = GROUND_COMPONENT
+    helicopter_icao: str = ""
 
 
 PARAMETERS = (BridgeParameters,)
@@ -82,6 +84,7 @@ class BridgeNode(ReaderNode):
             link_timeout_s=own.link_timeout_s,
             own=address,
             stations=len(self._stations),
+            helicopter_icao=own.helicopter_icao,
         )
         self.add_reader("mavlink", lambda: self._link.receive(READ_S), self._take)
         for number, station in enumerate(self._stations):

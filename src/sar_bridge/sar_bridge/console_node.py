@@ -30,6 +30,7 @@ from sar_bridge.console.map_view import Search
 from sar_bridge.console.page import Desk, Page
 from sar_bridge.console.playback import PlaybackDesk, Told
 from sar_bridge.console.snapshot import Snapshot
+from sar_bridge.console.tiles import URL, Tiles
 from sar_bridge.services import SERVICES
 from sar_estimator.bags.bag import BAG_ERRORS, read_messages
 from sar_estimator.common import topics
@@ -50,6 +51,7 @@ class ConsoleParameters:
     port: of the page, on 127.0.0.1. spacing_m, turn_side: of the formation, as the planner has
     them. swath_m: what each aircraft sees, in width. address_file: the page's address is written
     there, with its token, for this user alone; empty for none. folder: on the recorder's disk.
+    tiles: folder with map tiles, Z/X/Y.png; empty for a map without.
     """
 
     port: Annotated[int, Field(ge=1, le=65535)] = 8080
@@ -58,6 +60,7 @@ class ConsoleParameters:
     swath_m: Positive = 250.0
     address_file: str = ""
     folder: str = "."
+    tiles: str = ""
 
 
 PARAMETERS = (ConsoleParameters,)
@@ -117,8 +120,9 @@ class ConsoleNode(ComponentNode):
             self.console.answered(text)
 
 
-def show(desk: Desk, port: int, address_file: str) -> None:
+def show(desk: Desk, port: int, address_file: str = "", tiles_folder: str = "") -> None:
     """Serve the page until the process is asked to end."""
+    tiles = Tiles(Path(tiles_folder)) if tiles_folder else None
     token = secrets.token_urlsafe(24)
     address = f"http://127.0.0.1:{port}/?token={token}"
     if address_file:
@@ -128,10 +132,12 @@ def show(desk: Desk, port: int, address_file: str) -> None:
     sys.stdout.write(f"console: {address}\n")
     sys.stdout.flush()
     app.add_middleware(Access, port=port, token=token)
+    if tiles is not None:
+        app.add_static_files(URL, tiles.folder)
 
     @ui.page("/", title=TITLE)
     def index() -> None:
-        Page(desk)
+        Page(desk, tiles)
 
     logging.getLogger("nicegui").setLevel(logging.ERROR)
     ui.run(
@@ -155,8 +161,8 @@ def _told(bag: Path) -> Iterator[Told]:
             continue  # of another version: the rest is shown
 
 
-def _play(bag: Path, port: int, speed: float) -> None:
-    show(PlaybackDesk(_told(bag), Search(), time.monotonic, speed=speed), port, "")
+def _play(bag: Path, port: int, speed: float, tiles: str) -> None:
+    show(PlaybackDesk(_told(bag), Search(), time.monotonic, speed=speed), port, tiles_folder=tiles)
 
 
 def _fly(node: ConsoleNode) -> None:
@@ -175,7 +181,7 @@ def _fly(node: ConsoleNode) -> None:
             rclpy.spin(node)
 
     threading.Thread(target=spin, name="ros", daemon=True).start()
-    show(desk, own.port, own.address_file)
+    show(desk, own.port, own.address_file, own.tiles)
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -184,12 +190,16 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--bag", type=Path, help="show this recording instead of a flight")
     parser.add_argument("--port", type=int, default=8080, help="of a recording's page")
     parser.add_argument("--speed", type=float, default=10.0, help="of a recording that is played")
+    parser.add_argument("--tiles", default="", metavar="DIR", help="of map tiles, Z/X/Y.png")
     args = parser.parse_args(remove_ros_args(sys.argv)[1:] if argv is None else argv)
     if args.bag is not None:
         try:
-            _play(args.bag, args.port, args.speed)
+            _play(args.bag, args.port, args.speed, args.tiles)
         except BAG_ERRORS as error:
             sys.stderr.write(f"console: {args.bag}: {error}\n")
+            return 2
+        except ValueError as error:
+            sys.stderr.write(f"console: {error}\n")
             return 2
         return 0
     start_ros(signal_handler_options=SignalHandlerOptions.NO)

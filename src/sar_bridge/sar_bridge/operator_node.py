@@ -11,6 +11,7 @@ from std_srvs.srv import Trigger
 
 from sar_bridge.services import SERVICES
 from sar_estimator.common import topics
+from sar_estimator.common.completion import add_completion
 from sar_estimator.common.node_support import start_ros
 
 
@@ -19,6 +20,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="operator", description=__doc__)
     parser.add_argument("action", choices=SERVICES)
     parser.add_argument("--timeout", type=float, default=10.0, help="seconds to wait for an answer")
+    add_completion(parser)
     args = parser.parse_args(remove_ros_args(sys.argv)[1:] if argv is None else argv)
     start_ros()
     try:

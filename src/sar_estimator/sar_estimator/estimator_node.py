@@ -22,9 +22,9 @@ from sar_estimator.estimation.parameters import VELOCITY_SIGMA_MPS, EstimatorPar
 class EstimatorNodeParameters:
     """Parameters of the node.
 
-    velocity_sigma_mps: standard deviation of `/helicopter/vel`. prediction_rate_hz: of odometry
-    between fixes. datum_latitude_deg, datum_longitude_deg, datum_altitude_m: origin of the map;
-    the first fix where they are not set.
+    velocity_sigma_mps: standard deviation of `/helicopter/vel`, the least of
+    `/helicopter/fix_velocity`. prediction_rate_hz: of odometry between fixes. datum_latitude_deg,
+    datum_longitude_deg, datum_altitude_m: origin of the map; the first fix where they are not set.
     """
 
     velocity_sigma_mps: Positive = VELOCITY_SIGMA_MPS

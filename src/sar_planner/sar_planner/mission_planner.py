@@ -13,8 +13,9 @@ import numpy as np
 from sar_estimator.common.reports import MonitorReport, UavStatus, WaypointList
 from sar_estimator.common.states import LegEstimate, list_id_at
 from sar_planner.engagement import ENGAGE_MODES, not_flying, obstacle
-from sar_planner.find import Finding, Orbit
+from sar_planner.find import Finding
 from sar_planner.guidance.vehicle import Vehicle
+from sar_planner.orbit import Orbit
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.prediction.situation import Situation
@@ -62,7 +63,7 @@ class MissionPlanner:
         self.find = Finding(
             self.situation,
             mission,
-            Orbit(self.situation, corner, mission, self._strategy.lists),
+            Orbit(self.situation, corner, mission, self._strategy.lists, self._strategy.turns),
         )
         self.engaged = False
         self.problem = ""

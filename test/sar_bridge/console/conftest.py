@@ -35,9 +35,8 @@ def formation():
     return Snapshot(
         now_s=100.0,
         datum=Datum(37.8, -122.8),
-        helicopter=HelicopterReport(Motion(100.0, 3000.0, 0.0, 20.0, 0.0), 1.2, 0.1),
+        helicopter=HelicopterReport(Motion(100.0, 3000.0, 0.0, 20.0, 0.0), 1.2, 0.1, 30.0),
         helicopter_age_s=0.2,
-        helicopter_up_m=30.0,
         uav=UavReport(Motion(100.0, 2990.0, -250.0, 20.0, 0.0), 0.0, 150.0),
         uav_age_s=0.1,
         phase=Phase.CRUISE,

@@ -76,4 +76,5 @@ class Desk:
 
 
 if __name__ in ("__main__", "__mp_main__"):
-    show(Desk(), PORT, str(FOLDER / "address"))
+    tiles = FOLDER / "tiles"
+    show(Desk(), PORT, str(FOLDER / "address"), str(tiles) if tiles.is_dir() else "")

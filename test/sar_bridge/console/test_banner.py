@@ -51,6 +51,18 @@ def test_every_alert_of_the_monitor_is_shown_with_what_to_do(well, alert, urgenc
     assert shown.sounds
 
 
+@pytest.mark.parametrize(
+    ("field", "state"), [("too_near", "TOO NEAR"), ("adsb", "HELICOPTER POSITION")]
+)
+def test_what_is_wrong_now_is_a_caution_and_no_alert_is_hidden_by_it(well, field, state):
+    monitor = MonitorReport(**{field: "150 m"})
+    shown = banner(replace(well, monitor=monitor))
+    assert (shown.urgency, shown.state, shown.reason) == (Urgency.CAUTION, state, "150 m")
+    assert shown.action
+    warned = replace(well, monitor=replace(monitor, alert="warning"))
+    assert banner(warned).urgency is Urgency.WARNING
+
+
 @pytest.mark.parametrize("name", LEADING)
 def test_a_silent_node_is_a_warning_while_the_uav_is_led(well, with_node, name):
     silent = with_node(well, name, age_s=6.0)

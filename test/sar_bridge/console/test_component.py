@@ -9,7 +9,6 @@ from sar_bridge.console.banner import banner
 from sar_bridge.console.component import TRACK_M, ConsoleComponent
 from sar_estimator.common import topics
 from sar_estimator.common.geodesy import Datum
-from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.reports import (
     Health,
     HelicopterReport,
@@ -53,14 +52,12 @@ def test_the_trend_is_of_the_last_minute():
     assert len(trend) == pytest.approx(301, abs=1)
 
 
-def test_altitude_counts_from_the_maps_origin():
+def test_how_much_higher_the_uav_is_is_known_where_both_altitudes_are():
     console = flown(1.0)
-    console.handle(topics.FIX, Fix(1.0, 37.8, -122.8, 35.0), 1.0)
-    snapshot = console.snapshot(1.0)
-    assert snapshot.helicopter_up_m == pytest.approx(30.0)
-    assert snapshot.vertical_m == pytest.approx(120.0)
-    console.handle(topics.FIX, Fix(2.0, 37.8, -122.8, math.nan), 2.0)
-    assert console.snapshot(2.0).vertical_m == pytest.approx(120.0)
+    assert math.isnan(console.snapshot(1.0).vertical_m)
+    here = HelicopterReport(Motion(1.0, 0.0, 0.0, 20.0, 0.0), 1.0, 0.1, 30.0)
+    console.handle(topics.HELICOPTER_ODOMETRY, here, 1.0)
+    assert console.snapshot(1.0).vertical_m == pytest.approx(120.0)
 
 
 def test_everything_else_is_kept_as_it_is_told():

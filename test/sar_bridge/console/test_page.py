@@ -9,10 +9,17 @@ import subprocess
 import sys
 import threading
 import time
+import urllib.error
+import urllib.request
 from pathlib import Path
 
+import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 
+from sar_bridge.console.map_view import View
+from sar_bridge.console.tiles import TILE_PX, tiles_in
+from sar_estimator.common.geodesy import Datum
 from sar_sim.launch.launch_cli import free_port
 
 pytestmark = pytest.mark.timeout(120)
@@ -29,6 +36,19 @@ fetch("http://127.0.0.1:" + port + "/", {credentials: "include", mode: "no-cors"
     socket.onerror = () => { results.push("socket refused"); done(); };
   });
 </script></body></html>"""
+
+
+def paint_tiles(folder):
+    """Paint tiles of sea, each with a border, for the first look at the map."""
+    view = View(centre_m=(2995.0, -125.0))
+    for level in (13, 14, 15):
+        for x, y in tiles_in(view, Datum(37.8, -122.8), level):
+            tile = np.full((TILE_PX, TILE_PX, 3), (150, 190, 220), dtype=np.uint8)
+            tile[[0, -1]] = tile[:, [0, -1]] = 40
+            column = folder / str(level) / str(x)
+            column.mkdir(parents=True, exist_ok=True)
+            plt.imsave(column / f"{y}.png", tile)
+    (folder / "attribution.txt").write_text("a chart of nowhere", encoding="utf-8")
 
 
 def serve(port, folder):
@@ -51,6 +71,7 @@ def desk(tmp_path_factory):
     folder = tmp_path_factory.mktemp("desk")
     (folder / "state").write_text("well", encoding="utf-8")
     (folder / "asked").touch()
+    paint_tiles(folder / "tiles")
     port = free_port(socket.SOCK_STREAM)
     process = serve(port, folder)
     ends = time.monotonic() + 60.0
@@ -109,6 +130,18 @@ def test_everything_fits_and_comes_from_this_laptop(page):
     assert "token" not in page.url
     for text in ("IN FORMATION", "250 m", "120 m", "L(2) 3", "24.1 V", "heartbeat 0.3 s"):
         assert text in page.content()
+
+
+def test_tiles_lie_under_the_map_and_are_for_this_page_alone(desk, page):
+    tiles = page.locator("svg image.tile")
+    assert 4 <= tiles.count() <= 80
+    assert "a chart of nowhere" in page.content()
+    address = tiles.first.get_attribute("href")
+    own = "a => fetch(a).then(r => r.blob()).then(createImageBitmap).then(i => i.width)"
+    assert page.evaluate(own, address) == TILE_PX
+    with pytest.raises(urllib.error.HTTPError) as refused:
+        urllib.request.urlopen(f"http://127.0.0.1:{desk[2]}{address}", timeout=10)
+    assert refused.value.code == 403
 
 
 def test_every_button_asks_for_what_it_says(desk, page):

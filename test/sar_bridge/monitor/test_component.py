@@ -10,11 +10,10 @@ from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common import topics
 from sar_estimator.common.component import NOTICES
-from sar_estimator.common.geodesy import Datum
-from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.reports import (
     HelicopterReport,
+    Target,
     UavReport,
     UavStatus,
     Uploaded,
@@ -38,12 +37,13 @@ def listed(points, number=1):
 def fed(component, now_s=100.0, *, uav_y=-250.0):
     for topic, value in (
         (topics.UAV_STATE, UavStatus("AUTO", armed=True, connected=True)),
-        (topics.DATUM, Datum(37.8, -122.8, 10.0)),
         (topics.PHASE, Phase.CRUISE),
         (topics.LEG, LegEstimate(now_s, Pose(0.0, 0.0, 0.0), 20.0, 0.3, 0.001, 0.02)),
-        (topics.HELICOPTER_ODOMETRY, HelicopterReport(Motion(now_s, 0, 0, 20.0, 0.0), 1.0, 0.1)),
+        (
+            topics.HELICOPTER_ODOMETRY,
+            HelicopterReport(Motion(now_s, 0, 0, 20.0, 0.0), 1.0, 0.1, 50.0),
+        ),
         (topics.UAV_ODOMETRY, UavReport(Motion(now_s, 0.0, uav_y, 20.0, 0.0), 0.0, 150.0)),
-        (topics.FIX, Fix(now_s, 37.8, -122.8, 60.0)),
         (topics.AUTOPILOT, {"NAVL1_PERIOD": 17.0}),
         (topics.WIND, (1.0, 0.0)),
     ):
@@ -98,7 +98,27 @@ def test_a_uav_that_flies_at_the_helicopter_is_sent_away_once_it_is_led():
     idle = fed(monitor(), uav_y=-150.0)
     idle.handle(topics.UAV_STATE, UavStatus("MANUAL", armed=True, connected=True), 100.0)
     assert not idle.is_leading
-    assert idle.tick(100.0) == []
+    assert of(idle.tick(100.0), topics.CLEARED) == []
+
+
+def test_who_is_too_near_is_told_while_the_uav_is_armed_whoever_flies_it():
+    component = fed(monitor(vertical_separation_m=120.0), uav_y=-150.0)
+    component.handle(topics.UAV_STATE, UavStatus("MANUAL", armed=True, connected=True), 100.0)
+    (report,) = of(component.tick(100.0), topics.MONITOR)
+    assert report.too_near.startswith("150 m apart, 100 m in altitude")
+    assert component.health(100.0).problem == report.too_near
+    component.handle(topics.UAV_STATE, UavStatus("MANUAL", connected=True), 100.0)
+    (report,) = of(component.tick(100.5), topics.MONITOR)
+    assert report.too_near == ""
+
+
+def test_an_adsb_position_elsewhere_is_told():
+    component = fed(monitor())
+    for _ in range(2):
+        component.handle(topics.ADSB, Target(100.0, 900.0, 0.0), 100.0)
+    (report,) = of(component.tick(100.0), topics.MONITOR)
+    assert "900 m from its own GPS" in report.adsb
+    assert component.health(100.0).problem == report.adsb
 
 
 def test_its_state_is_told_when_it_changes():

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_bridge.session.component import LINK, BridgeComponent
 from sar_estimator.common import topics
@@ -24,11 +25,11 @@ TICK_S, ROS_S = 0.05, 1000.0
 class Flight:
     """A bridge and an autopilot that hand each other what they send, at 20 Hz."""
 
-    def __init__(self):
+    def __init__(self, **settings):
         uav = Uav(autopilot="arduplane", **AUTOPILOTS["arduplane"])
         self.pilot = SimAutopilot(Pose(0.0, 0.0, 0.0), speed_mps=20.0, uav=uav, datum=DATUM)
         self.server = AutopilotServer(self.pilot, DATUM)
-        self.bridge = BridgeComponent(altitude_m=150.0)
+        self.bridge = BridgeComponent(altitude_m=150.0, **settings)
         self.now_s = 50.0
         self.told = []
         self.sent = []
@@ -84,6 +85,19 @@ def test_telemetry_goes_to_the_graph_once_the_map_is_known(flight):
     assert flight.of(topics.UAV_CLOCK)[-1] == pytest.approx(flight.now_s, abs=0.2)
     reported = dict(flight.bridge.report(flight.now_s))
     assert reported[topics.WIND] == pytest.approx((0.0, 0.0), abs=1e-6)
+
+
+def test_the_helicopter_that_the_uav_hears_is_told_of():
+    flight = Flight(helicopter_icao="00ABCD")
+    flight.run(2.0)
+    flight.give(topics.DATUM, DATUM)
+    for icao in (0xABCD, 0xABCE):
+        seen = mavlink.MAVLink_adsb_vehicle_message(
+            icao, 378_000_000, -1_228_000_000, 0, 0, 0, 0, 0, b"CG6019", 7, 1, 1, 1200
+        )
+        flight.back([seen])
+    (target,) = flight.of(topics.ADSB)
+    assert target.time_s == pytest.approx(flight.bridge.ros_s - 1.0)
 
 
 def test_a_list_is_uploaded_flown_and_told_of(flight):

@@ -97,7 +97,7 @@ def test_hears_the_autopilot_and_is_heard(bench):
     assert motion.y_m == pytest.approx(-250.0, abs=0.1)
     assert (motion.vx_mps, motion.vy_mps) == pytest.approx((20.0, 0.0), abs=0.01)
     assert state.telemetry.yaw_rad == pytest.approx(0.0, abs=1e-3)
-    assert state.telemetry.up_m == pytest.approx(150.0, abs=0.01)
+    assert state.telemetry.altitude_m == pytest.approx(150.0, abs=0.01)
     assert bench.session.problem(bench.now) == ""
 
 

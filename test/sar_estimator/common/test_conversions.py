@@ -52,6 +52,20 @@ def test_velocity_covariance_is_turned_into_the_body():
     assert accel.header.frame_id == "map"
 
 
+@pytest.mark.parametrize("altitude_m", [0.0, -3.0, 150.0])
+def test_an_altitude_is_told_and_one_that_is_not_known_is_told_as_such(altitude_m):
+    motion = Motion(0.0, 1.0, 2.0, 20.0, 0.0)
+    known = m.motion_to_odometry(motion, child="uav", altitude_m=altitude_m)
+    assert m.odometry_altitude_m(known) == altitude_m
+    unknown = m.motion_to_odometry(motion, child="uav")
+    assert math.isnan(m.odometry_altitude_m(unknown))
+    assert unknown.pose.pose.position.z == 0.0
+    variances = np.diag((4.0, 1.0, 1.0, 4.0, 1.0, 1.0))
+    for estimate in (MotionEstimate(motion, variances), MotionEstimate(motion, variances, 7.0)):
+        told = m.odometry_altitude_m(m.estimate_to_odometry(estimate))
+        assert told == pytest.approx(estimate.altitude_m, nan_ok=True)
+
+
 def test_leg_round_trip():
     leg = LegEstimate(12.5, Pose(1.0, 2.0, 0.3), 20.0, 1.5, 0.01, 0.2)
     back = m.odometry_to_leg(m.leg_to_odometry(leg))

@@ -12,7 +12,7 @@ from sar_estimator.common.frames import Frames, transform_of
 from sar_estimator.common.states import Motion
 
 ODOMETRY = motion_to_odometry(
-    Motion(12.5, 1.0, 2.0, 15.0, 0.0), child="uav", yaw_rad=1.0, up_m=150.0
+    Motion(12.5, 1.0, 2.0, 15.0, 0.0), child="uav", yaw_rad=1.0, altitude_m=150.0
 )
 
 

@@ -41,9 +41,11 @@ CORNER = CornerEstimate(
 VALUES = {
     topics.FIX: Fix(12.5, 37.8, -122.8, 30.0, np.diag((9.0, 9.0))),
     topics.VELOCITY: Velocity(12.5, 3.0, -4.0),
+    topics.FIX_VELOCITY: Velocity(12.5, 3.0, -4.0, 0.25),
+    topics.ADSB: Target(12.5, 300.0, -40.0),
     topics.DATUM: Datum(37.8, -122.8, 12.0),
     topics.HELICOPTER_ODOMETRY: MotionEstimate(
-        Motion(12.5, 1.0, 2.0, 15.0, -9.0, 0.3, 0.4), np.diag((4.0, 0.3, 1.0, 4.0, 0.3, 1.0))
+        Motion(12.5, 1.0, 2.0, 15.0, -9.0, 0.3, 0.4), np.diag((4.0, 0.3, 1.0, 4.0, 0.3, 1.0)), 35.0
     ),
     topics.LEG: LegEstimate(12.5, Pose(1.0, 2.0, 0.3), 20.0, 1.5, 0.01, 0.2),
     topics.CORNER: CORNER,

@@ -97,3 +97,19 @@ def test_a_rate_that_cannot_be_meant_is_named(rate):
 def test_what_is_no_input_changes_nothing():
     component, _ = flown(20)
     assert component.handle(topics.SPEED, 20.0, 20.0) == []
+
+
+def test_a_receivers_accuracy_counts_where_it_is_worse_than_what_is_believed():
+    """And one that tells it is not heard twice."""
+    sigmas = []
+    component = EstimatorComponent(EstimatorParameters(), velocity_sigma_mps=0.1)
+    component.estimator.add_velocity = lambda *given: sigmas.append(given[3])
+    for topic, sigma in (
+        (topics.VELOCITY, None),
+        (topics.FIX_VELOCITY, 0.4),
+        (topics.FIX_VELOCITY, 0.02),
+        (topics.FIX_VELOCITY, None),
+        (topics.VELOCITY, None),
+    ):
+        component.handle(topic, Velocity(1.0, 20.0, 0.0, sigma), 1.0)
+    assert sigmas == [0.1, 0.4, 0.1, 0.1]

@@ -17,9 +17,10 @@ def fed(component, data, ros_s):
 def test_fix_and_velocity_of_an_epoch_have_one_time(make):
     component = GpsComponent()
     (first, velocity), (second, fix) = fed(component, make["pvt"](), 5000.0)
-    assert (first, second) == (topics.VELOCITY, topics.FIX)
+    assert (first, second) == (topics.FIX_VELOCITY, topics.FIX)
     assert velocity.time_s == fix.time_s == pytest.approx(5000.0)
     assert (velocity.vx_mps, velocity.vy_mps) == (3.0, -4.0)
+    assert velocity.sigma_mps == component.health(5000.0).values["velocity_sigma_mps"] > 0.0
     assert (fix.latitude_deg, fix.longitude_deg, fix.altitude_m) == pytest.approx(
         (37.5, -122.5, 30.0)
     )
@@ -51,3 +52,11 @@ def test_a_clock_that_was_set_is_told_once(make):
     assert len(notices) == 1
     assert component.health(9000.0).values["clock_steps"] == 1
     assert component.health(9000.0).values["unbelieved"] == 3
+
+
+def test_a_velocity_without_an_accuracy_is_told_as_one(make):
+    component = GpsComponent()
+    data = make["rmc"]() + make["gga"]() + make["rmc"](time="10:20:31") + make["gga"]("10:20:31")
+    told = [topic for topic, _ in fed(component, data, 5000.0)]
+    assert topics.VELOCITY in told
+    assert topics.FIX_VELOCITY not in told

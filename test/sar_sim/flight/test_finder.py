@@ -11,8 +11,13 @@ from sar_sim.flight.finder import Finder
 from sar_sim.flight.offline import OfflineFlight
 from sar_sim.scenario.options import find_scenario
 from sar_sim.scenario.scenario import Find, load_scenario
+from sar_sim.world.detour import place
 
 HELICOPTER = Motion(0.0, 100.0, 50.0, 0.0, 20.0)
+
+
+def found(find):
+    return place(find, HELICOPTER, math.pi / 2.0)
 
 
 def test_it_marks_orbits_and_resumes_each_until_it_is_granted():
@@ -28,13 +33,13 @@ def test_it_marks_orbits_and_resumes_each_until_it_is_granted():
     services = {name: answer(name) for name in (topics.ORBIT, topics.RESUME)}
     find = Find(time_s=10.0, orbit_s=20.0, ahead_m=300.0, left_m=-40.0)
     finder = Finder([find], services)
-    assert finder.due(9.9, 1009.9, lambda: HELICOPTER) == []
-    ((topic, target),) = finder.due(10.0, 1010.0, lambda: HELICOPTER)
+    assert finder.due(9.9, 1009.9, found) == []
+    ((topic, target),) = finder.due(10.0, 1010.0, found)
     assert topic == topics.TARGET
     assert (round(target.x_m), round(target.y_m)) == (140, 350)
-    assert finder.due(10.5, 1010.5, lambda: HELICOPTER) == []  # once a second
+    assert finder.due(10.5, 1010.5, found) == []  # once a second
     for time_s in (11.0, 12.0, 13.0, 29.0, 31.0, 40.0):
-        finder.due(time_s, 1000.0 + time_s, lambda: HELICOPTER)
+        finder.due(time_s, 1000.0 + time_s, found)
     assert asked == [
         (topics.ORBIT, 1011.0),
         (topics.ORBIT, 1012.0),

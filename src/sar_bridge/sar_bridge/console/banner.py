@@ -78,8 +78,14 @@ def _findings(snapshot: Snapshot) -> Iterator[Banner]:
 def _separation(snapshot: Snapshot) -> Iterator[Banner]:
     """Tell what the monitor says."""
     monitor = snapshot.monitor
-    stale = snapshot.is_stale("monitor")
-    if stale or monitor.alert == "none":
+    if snapshot.is_stale("monitor"):
+        return
+    if monitor.too_near:
+        yield Banner(Urgency.CAUTION, "TOO NEAR", monitor.too_near, "Look out for the UAV.")
+    if monitor.adsb:
+        do = "Check the GPS receiver: the UAV is led by it."
+        yield Banner(Urgency.CAUTION, "HELICOPTER POSITION", monitor.adsb, do)
+    if monitor.alert == "none":
         return
     told = snapshot.node("monitor")
     reason = monitor.reason or (told.health.problem if told is not None else "")

@@ -13,8 +13,6 @@ from sar_bridge.console.banner import banner
 from sar_bridge.console.snapshot import Snapshot, Told
 from sar_estimator.common import topics
 from sar_estimator.common.component import Component, Outputs
-from sar_estimator.common.geodesy import Datum
-from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.reports import (
     CornerRecord,
     Health,
@@ -60,7 +58,6 @@ class ConsoleComponent(Component):
         self.inputs = {topic: self._keeper(topic) for topic in KEPT} | {
             topics.HELICOPTER_ODOMETRY: self._on_helicopter,
             topics.UAV_ODOMETRY: self._on_uav,
-            topics.FIX: self._on_fix,
             topics.CORNER_PLAN: self._on_corner,
             topics.DIAGNOSTICS: self._on_diagnostics,
         }
@@ -72,7 +69,6 @@ class ConsoleComponent(Component):
         self._tracks = (_Track(), _Track())
         self._trend: deque[tuple[float, float]] = deque()
         self._lags: dict[int, float] = {}
-        self._helicopter_up_m: float | None = None
         self._quiet = ""
         self._answers: deque[str] = deque(maxlen=ANSWERS)
 
@@ -101,12 +97,6 @@ class ConsoleComponent(Component):
             self._trend.append((now_s, apart))
             while self._trend and now_s - self._trend[0][0] > TREND_S:
                 self._trend.popleft()
-        return []
-
-    def _on_fix(self, fix: Fix, _now_s: float) -> Outputs:
-        datum: Datum | None = self._newest.get(topics.DATUM)
-        if fix.has_fix and math.isfinite(fix.altitude_m) and datum is not None:
-            self._helicopter_up_m = fix.altitude_m - datum.altitude_m
         return []
 
     def _on_corner(self, record: CornerRecord, _now_s: float) -> Outputs:
@@ -145,7 +135,6 @@ class ConsoleComponent(Component):
             now_s=now_s,
             helicopter=helicopter,
             helicopter_age_s=self._age_s(topics.HELICOPTER_ODOMETRY, now_s),
-            helicopter_up_m=self._helicopter_up_m,
             uav=uav,
             uav_age_s=self._age_s(topics.UAV_ODOMETRY, now_s),
             lags_m=tuple(sorted(self._lags.items())),

@@ -19,6 +19,7 @@ from sar_bridge.console.map_view import (
     picture,
 )
 from sar_bridge.console.snapshot import Snapshot
+from sar_bridge.console.tiles import Tiles
 from sar_estimator.common.geodesy import Datum
 
 REACHES_M = (500.0, 1000.0, 2000.0, 4000.0, 8000.0, 16000.0)
@@ -32,11 +33,16 @@ def button(text: str, on_click: Callable[[], object] | None = None) -> ui.button
 
 
 class MapPanel:
-    """``mark``: what a confirmed touch does with a place [m]; None where nothing can be marked."""
+    """``mark``: what a confirmed touch does with a place [m]; None where nothing can be marked.
 
-    def __init__(self, search: Search, mark: Callable[[float, float], None] | None) -> None:
+    ``tiles``: what lies under the map, None for nothing.
+    """
+
+    def __init__(
+        self, search: Search, mark: Callable[[float, float], None] | None, tiles: Tiles | None
+    ) -> None:
         """Build it where the page is being built."""
-        self._search, self._mark = search, mark
+        self._search, self._mark, self._tiles = search, mark, tiles
         self._view, self._reach, self._track_up = View(), 2, False
         self._snapshot = Snapshot()
         self._place = 0.0, 0.0
@@ -91,4 +97,7 @@ class MapPanel:
             reach_m=REACHES_M[self._reach],
             up_rad=snapshot.leg.foot.heading_rad if turned and snapshot.leg else NORTH_RAD,
         )
-        self._map.set_content(picture(snapshot, self._view, self._search, self._gaps))
+        under, datum = "", snapshot.datum
+        if self._tiles is not None and datum is not None:
+            under = self._tiles.picture(self._view, datum)
+        self._map.set_content(picture(snapshot, self._view, self._search, self._gaps, under))

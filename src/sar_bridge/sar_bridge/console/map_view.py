@@ -98,9 +98,11 @@ def left_out(tracks: tuple[FloatArray, FloatArray], search: Search) -> BaseGeome
     return asked.buffer(0.0).difference(seen).buffer(-5.0)
 
 
-def picture(snapshot: Snapshot, view: View, search: Search, gaps: BaseGeometry | None) -> str:
-    """Return the map as the inside of an SVG element."""
-    parts: list[str] = []
+def picture(
+    snapshot: Snapshot, view: View, search: Search, gaps: BaseGeometry | None, under: str = ""
+) -> str:
+    """Return the map as the inside of an SVG element; ``under``: what lies below it all."""
+    parts = [under]
     if snapshot.datum is not None:
         parts += _graticule(snapshot.datum, view)
     parts += _areas(gaps, view)

@@ -20,6 +20,7 @@ from sar_bridge.console.map_panel import MapPanel, button
 from sar_bridge.console.map_view import Search, trend
 from sar_bridge.console.snapshot import Snapshot
 from sar_bridge.console.style import CSS, SCRIPT
+from sar_bridge.console.tiles import Tiles
 
 UPDATE_S = 0.5
 HOLD_S = 1.0
@@ -68,9 +69,9 @@ class Desk(Protocol):
 class Page:
     """One browser's page; its timer brings it up to date."""
 
-    def __init__(self, desk: Desk) -> None:
-        """Build it."""
-        self._desk = desk
+    def __init__(self, desk: Desk, tiles: Tiles | None) -> None:
+        """Build it; ``tiles``: what lies under the map."""
+        self._desk, self._tiles = desk, tiles
         self._alarm, self._sounds = Alarm(), False
         self._look = PALETTES[0]
         self._held_s: dict[str, float] = {}
@@ -97,7 +98,7 @@ class Page:
     def _build_map(self) -> None:
         mark = self._desk.mark if "mark" in self._desk.actions else None
         with ui.element("div").classes("map"):
-            self._map = MapPanel(self._desk.search, mark)
+            self._map = MapPanel(self._desk.search, mark, self._tiles)
             with ui.element("div").classes("tools"):
                 self._map.build_tools()
                 self._palette = button("day", self._next_palette)

@@ -51,16 +51,14 @@ class Snapshot:
     """All that is known at ``now_s`` [s], and how old the aircraft's positions are [s].
 
     ``tracks``: helicopter's and UAV's, each of shape (n, 2) [m]. ``trend``: times before now, and
-    horizontal separations, shape (n, 2) [s, m]. ``helicopter_up_m``: its altitude above the datum.
-    ``quiet``: the banner's text that was acknowledged. ``answers``: what was asked for last, and
-    what was answered.
+    horizontal separations, shape (n, 2) [s, m]. ``quiet``: the banner's text that was acknowledged.
+    ``answers``: what was asked for last, and what was answered.
     """
 
     now_s: float = 0.0
     datum: Datum | None = None
     helicopter: HelicopterReport | None = None
     helicopter_age_s: float = math.inf
-    helicopter_up_m: float | None = None
     uav: UavReport | None = None
     uav_age_s: float = math.inf
     phase: Phase | None = None
@@ -98,10 +96,10 @@ class Snapshot:
 
     @property
     def vertical_m(self) -> float | None:
-        """How much higher the UAV is than the helicopter [m]."""
-        if self.uav is None or self.helicopter_up_m is None:
+        """How much higher the UAV is than the helicopter [m], NaN where that is not known."""
+        if self.uav is None or self.helicopter is None:
             return None
-        return self.uav.up_m - self.helicopter_up_m
+        return self.uav.altitude_m - self.helicopter.altitude_m
 
     def node(self, name: str) -> Told | None:
         """Return what a node has told; None where it was never heard."""

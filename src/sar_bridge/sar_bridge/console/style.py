@@ -55,6 +55,9 @@ svg .old { opacity: 0.35; }
 .check .why { color: var(--dim); font-size: 14px; }
 .q-card { background: var(--panel); color: var(--ink); }
 .q-checkbox__label { font-size: 16px; }
+body.night svg .tile { filter: brightness(0.35); }
+body.red svg .tile { filter: grayscale(1) brightness(0.2); opacity: 0.6; }
+svg .attribution { fill: var(--dim); font-size: 11px; }
 svg .grid { stroke: var(--line); stroke-width: 1; } svg text { fill: var(--ink); font-size: 13px; }
 svg .gridlabel, svg .ringlabel { fill: var(--dim); font-size: 12px; }
 svg .swath { fill: none; stroke-opacity: 0.22; stroke-linejoin: round; }

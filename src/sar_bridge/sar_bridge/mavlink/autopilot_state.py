@@ -25,14 +25,14 @@ RATIOS = (0.9, 1.35)
 
 @dataclass(frozen=True, slots=True)
 class UavTelemetry:
-    """The UAV's motion in the map frame, its height above the datum and its attitude [rad].
+    """The UAV's motion in the map frame, its altitude above mean sea level, its attitude [rad].
 
     Attitude is ENU / base_link (REP-103): roll to the right, pitch nose *down*, yaw
     counter-clockwise from east, all positive.
     """
 
     motion: Motion
-    up_m: float
+    altitude_m: float
     climb_mps: float
     roll_rad: float
     pitch_rad: float
@@ -191,11 +191,12 @@ class AutopilotState:
         if not valid_position(latitude, longitude) or (message.lat == 0 and message.lon == 0):
             return False
         stamp = self.clock.stamp(message.time_boot_ms / 1e3, ros_s)
-        east, north, up = datum.to_local(latitude, longitude, message.alt / 1e3)
+        altitude = message.alt / 1e3
+        east, north, _ = datum.to_local(latitude, longitude, altitude)
         motion = Motion(stamp, east, north, message.vy / 100.0, message.vx / 100.0)
         yaw = math.radians(90.0 - message.hdg / 100.0) if message.hdg != 65535 else math.nan
         if math.isnan(yaw):
             yaw = motion.course_rad
         roll, pitch = self._attitude
-        self.telemetry = UavTelemetry(motion, up, -message.vz / 100.0, roll, -pitch, yaw)
+        self.telemetry = UavTelemetry(motion, altitude, -message.vz / 100.0, roll, -pitch, yaw)
         return True

@@ -13,8 +13,6 @@ from sar_bridge.monitor.parameters import MonitorParameters
 from sar_bridge.monitor.separation_monitor import SeparationMonitor
 from sar_estimator.common import topics
 from sar_estimator.common.component import NOTICES, Component, Notice, Outputs, keep
-from sar_estimator.common.geodesy import Datum
-from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.reports import (
     Health,
     HelicopterReport,
@@ -24,7 +22,7 @@ from sar_estimator.common.reports import (
     Uploaded,
     WaypointList,
 )
-from sar_estimator.common.states import CornerEstimate, FloatArray, Phase, list_id_at
+from sar_estimator.common.states import CornerEstimate, FloatArray, list_id_at
 
 LED_MODES = ("AUTO", "GUIDED")
 RATES_HZ = (1.0, 50.0)
@@ -49,8 +47,9 @@ class MonitorComponent(Component):
         self.period_s = 1.0 / rate_hz
         self.monitor = SeparationMonitor(parameters, model)
         self._covariance: FloatArray | None = None
-        self._uav_up_m = self._datum_m = 0.0
-        self._led = False
+        self._uav_m = self._helicopter_m = math.nan
+        self._led = self._armed = False
+        self._too_near = ""
         self._early: WaypointList | None = None
         self._told: tuple[object, ...] = ()
         self.inputs = {
@@ -59,14 +58,13 @@ class MonitorComponent(Component):
             topics.LEG: keep(self.monitor.helicopter.set_leg),
             topics.CORNER: self._on_covariance,
             topics.PREDICTION: self._on_corner,
-            topics.PHASE: self._on_phase,
+            topics.PHASE: keep(self.monitor.helicopter.set_phase),
             topics.UAV_ODOMETRY: self._on_uav,
             topics.WIND: keep(self.monitor.set_wind),
             topics.UAV_STATE: self._on_status,
             topics.UPLOADED: self._on_uploaded,
             topics.AUTOPILOT: self._on_autopilot,
-            topics.FIX: self._on_fix,
-            topics.DATUM: self._on_datum,
+            topics.ADSB: keep(self.monitor.present.hear),
         }
 
     @property
@@ -81,7 +79,11 @@ class MonitorComponent(Component):
         return self._state_outputs()
 
     def _on_helicopter(self, report: HelicopterReport, _now_s: float) -> Outputs:
-        self.monitor.helicopter.set_motion(*report)
+        self._helicopter_m = report.altitude_m
+        self.monitor.set_above(self._uav_m - self._helicopter_m)
+        self.monitor.helicopter.set_motion(
+            report.motion, report.position_sigma_m, report.velocity_sigma_mps
+        )
         return []
 
     def _on_covariance(self, covariance: FloatArray, _now_s: float) -> Outputs:
@@ -94,27 +96,14 @@ class MonitorComponent(Component):
         self.monitor.helicopter.corner = corner
         return []
 
-    def _on_phase(self, phase: Phase, _now_s: float) -> Outputs:
-        self.monitor.helicopter.phase = phase
-        return []
-
-    def _on_fix(self, fix: Fix, _now_s: float) -> Outputs:
-        if math.isfinite(fix.altitude_m):
-            self.monitor.set_above(self._uav_up_m - (fix.altitude_m - self._datum_m))
-        return []
-
-    def _on_datum(self, datum: Datum, _now_s: float) -> Outputs:
-        if math.isfinite(datum.altitude_m):
-            self._datum_m = datum.altitude_m
-        return []
-
     def _on_uav(self, report: UavReport, _now_s: float) -> Outputs:
-        self._uav_up_m = report.up_m
+        self._uav_m = report.altitude_m
+        self.monitor.set_above(self._uav_m - self._helicopter_m)
         self.monitor.set_uav(report.motion)
         return []
 
     def _on_status(self, status: UavStatus, _now_s: float) -> Outputs:
-        self._led = status.mode in LED_MODES
+        self._led, self._armed = status.mode in LED_MODES, status.armed
         return []
 
     def _on_uploaded(self, uploaded: Uploaded, _now_s: float) -> Outputs:
@@ -149,8 +138,11 @@ class MonitorComponent(Component):
         found: Outputs = []
         if self._early is not None and not self.monitor.unseen:
             found += self._on_list(self._early, now_s)
+        present = self.monitor.present
+        present.forget_old(now_s)
+        self._too_near = present.too_near(now_s) if self._armed else ""
         if not self._led:
-            return found
+            return found + self._state_outputs()
         escape = self.monitor.update(now_s)
         if escape is not None:
             away = WaypointList(
@@ -163,7 +155,8 @@ class MonitorComponent(Component):
     def _state_outputs(self) -> Outputs:
         """Return the state when it has changed."""
         monitor = self.monitor
-        state = monitor.alert, monitor.reason, monitor.refused_id, *monitor.counts.values()
+        wrong = self._too_near, monitor.present.adsb
+        state = monitor.alert, monitor.reason, monitor.refused_id, *monitor.counts.values(), *wrong
         if state == self._told:
             return []
         self._told = state
@@ -174,6 +167,8 @@ class MonitorComponent(Component):
             watch_only=monitor.parameters.watch_only,
             thresholds=dict(monitor.thresholds),
             counts={str(name): count for name, count in monitor.counts.items()},
+            too_near=self._too_near,
+            adsb=monitor.present.adsb,
         )
         return [(topics.MONITOR, report)]
 
@@ -189,4 +184,5 @@ class MonitorComponent(Component):
             **monitor.thresholds,
         }
         severe = monitor.escape is not None
-        return Health(self.name, monitor.reason or alert, values, severe=severe)
+        problem = monitor.reason or alert or self._too_near or monitor.present.adsb
+        return Health(self.name, problem, values, severe=severe)

@@ -133,5 +133,5 @@ class Guard:
             near = outlook.apart(np.vstack((flown[:-2], away)), look.futures)
             found.append((self._worth(near), near, end))
         best, near, end = max(found, key=lambda way: way[0].value_m)
-        climb = climb_m(near, outlook.above_m, p.escape_climb_m, p.climb_mps)
+        climb = climb_m(near, outlook.known_above_m, p.escape_climb_m, p.climb_mps)
         return Escape(look.now_s, end, climb, best.least_m), best.value_m

@@ -14,22 +14,19 @@ import numpy as np
 
 from sar_bridge.arduplane import l1_kernels
 from sar_bridge.monitor.helicopter_model import HelicopterModel
+from sar_bridge.monitor.seen_helicopter import (
+    CONTRADICTION,
+    SURE_COURSE_MPS,
+    SeenHelicopter,
+)
 from sar_estimator.common.pose import Pose, wrap_angle
-from sar_estimator.common.states import CornerEstimate, FloatArray, LegEstimate, Motion, Phase
+from sar_estimator.common.states import CornerEstimate, FloatArray, Motion, Phase
 
-SURE_COURSE_MPS = 3.0
-STANDING_MPS = 1.0
 UNSEEN_S = 5.0
 UNSEEN_STEP_S = 4.0
 MOST_UNSEEN = 12
-FRESH_LEG_S = 10.0
-FRESH_CORNER_S = 5.0
-SAME_STOP_M = 60.0
 STOP_SIGMA_M = 4.0
 EXPECTED_SIGMA_RAD = math.radians(6.0)
-EXPECTED_SIGMA_MPS = 1.2
-CONTRADICTION = 3.0
-CONTRADICTED_LEG = 5.0
 ACCEL_SHARE_SIGMA = 0.15
 FASTER, IS_FAST = 1.3, 1.0
 
@@ -47,45 +44,8 @@ class Future:
     likely: bool = field(default=False, kw_only=True)
 
 
-class Helicopter:
-    """The helicopter as last told of, and the course it had when it last moved.
-
-    ``motion``, ``phase``, ``corner`` and ``leg`` are the estimator's newest. ``cruise_mps``: the
-    speed it is expected to cruise at.
-    """
-
-    def __init__(self, model: HelicopterModel) -> None:
-        """Know nothing yet."""
-        self.model = model
-        self.motion: Motion | None = None
-        self.phase = Phase.LOST
-        self.corner: CornerEstimate | None = None
-        self.leg: LegEstimate | None = None
-        self._position_sigma_m = 0.0
-        self._velocity_sigma_mps = 0.0
-        self._course_rad: float | None = None
-        self._sure: tuple[Motion, Phase] | None = None
-        self.cruise_mps = model.speed_mps
-
-    def set_motion(
-        self, motion: Motion, position_sigma_m: float = 0.0, velocity_sigma_mps: float = 0.0
-    ) -> None:
-        """Take its newest motion and the standard deviations of one axis."""
-        if not motion.is_finite():
-            return
-        self.motion = motion
-        if self.phase is not Phase.LOST:
-            self._sure = motion, self.phase
-        self._position_sigma_m = position_sigma_m
-        self._velocity_sigma_mps = velocity_sigma_mps
-        if motion.speed_mps > SURE_COURSE_MPS and self.phase is not Phase.STOPPED:
-            self._course_rad = motion.course_rad
-
-    def set_leg(self, leg: LegEstimate) -> None:
-        """Take the leg being flown; its speed is what the helicopter is expected to cruise at."""
-        self.leg = leg
-        if leg.speed_mps > SURE_COURSE_MPS and leg.speed_sigma_mps < EXPECTED_SIGMA_MPS:
-            self.cruise_mps = leg.speed_mps
+class Helicopter(SeenHelicopter):
+    """The helicopter as last told of, and what it may do next."""
 
     def futures(self, now_s: float, times_s: FloatArray) -> list[Future]:
         """Return the hypotheses at ``times_s`` after ``now_s``; none where it was never seen."""
@@ -100,74 +60,23 @@ class Helicopter:
         ahead_s = now_s - self.motion.time_s
         return maker(self.motion, ahead_s, now_s, times_s)
 
-    # Where it is and how it goes on ------------------------------------------------------------
-
-    def _velocity(self, motion: Motion) -> tuple[float, float, float]:
-        """Return the velocity it goes on with, x and y, and its standard deviation [m/s].
-
-        The better known of odometry and leg, weighed against what is expected after a corner.
-        """
-        vx, vy = motion.vx_mps, motion.vy_mps
-        sigma = max(self._velocity_sigma_mps, 0.05)
-        leg = self.leg
-        if leg is not None and motion.time_s - leg.time_s < FRESH_LEG_S:
-            spread = math.hypot(leg.speed_sigma_mps, leg.speed_mps * leg.heading_sigma_rad)
-            lx = leg.speed_mps * math.cos(leg.foot.heading_rad)
-            ly = leg.speed_mps * math.sin(leg.foot.heading_rad)
-            same = math.hypot(lx - vx, ly - vy) < CONTRADICTED_LEG * math.hypot(sigma, spread)
-            if same and spread < sigma:
-                vx, vy, sigma = lx, ly, spread
-        if self.corner is None:
-            return vx, vy, sigma
-        course = self._inside(self.corner).heading_rad
-        ex, ey = self.cruise_mps * math.cos(course), self.cruise_mps * math.sin(course)
-        if math.hypot(ex - vx, ey - vy) > CONTRADICTION * math.hypot(sigma, EXPECTED_SIGMA_MPS):
-            return vx, vy, sigma
-        weight = sigma**2 / (sigma**2 + EXPECTED_SIGMA_MPS**2)
-        fused = sigma * math.sqrt(1.0 - weight)
-        return vx + weight * (ex - vx), vy + weight * (ey - vy), fused
-
-    def _here(self, motion: Motion, ahead_s: float) -> Pose:
-        """Return where it is now, heading as it last surely moved."""
-        sure = motion.speed_mps > SURE_COURSE_MPS or self._course_rad is None
-        return Pose(
-            motion.x_m + motion.vx_mps * ahead_s,
-            motion.y_m + motion.vy_mps * ahead_s,
-            motion.course_rad if sure else float(self._course_rad or 0.0),
-        )
-
-    def _inside(self, corner: CornerEstimate) -> Pose:
-        """Return how a corner is left when it is turned to the pattern's side."""
-        stop = corner.stop
-        return Pose(stop.x_m, stop.y_m, stop.heading_rad + self.model.inside_rad)
-
-    def _this_corner(self, here: Pose, now_s: float) -> CornerEstimate | None:
-        """Return the corner it slows or stands for; None where the last one told of is another."""
-        corner = self.corner
-        if corner is None or now_s - corner.time_s < FRESH_CORNER_S:
-            return corner
-        away = math.hypot(here.x_m - corner.stop.x_m, here.y_m - corner.stop.y_m)
-        return corner if away < SAME_STOP_M else None
-
     def _stop(self, here: Pose, speed: float, now_s: float) -> tuple[Pose, float, float]:
         """Return where it will stand when it stops, in how long [s], and its deceleration."""
         accel = self.model.accel_mps2
-        corner = self._this_corner(here, now_s) if self.phase is Phase.DECELERATING else None
+        corner = self.this_corner(here, now_s) if self.phase is Phase.DECELERATING else None
         if corner is not None:
             return corner.stop, max(0.0, corner.stop_time_s - now_s), corner.accel_mps2
         return here.offset(speed**2 / (2.0 * accel)), speed / accel, accel
 
-    # Hypotheses --------------------------------------------------------------------------------
-
     def _spread(self, times: FloatArray, velocity_sigma: float) -> FloatArray:
         """Return the standard deviation at ``times`` of a motion with an unsure velocity [m]."""
-        return l1_kernels.spread(times, self._position_sigma_m, velocity_sigma, 0.0, 0.0)
+        return l1_kernels.spread(times, self.position_sigma_m, velocity_sigma, 0.0, 0.0)
 
     def _ramp_spread(self, times: FloatArray) -> FloatArray:
         """Return the same where the acceleration is not known better than to a share."""
         accel = self.model.accel_mps2
         unsure, ramp_s = ACCEL_SHARE_SIGMA * accel, self.cruise_mps / accel
-        return l1_kernels.spread(times, self._position_sigma_m, 0.0, unsure, ramp_s)
+        return l1_kernels.spread(times, self.position_sigma_m, 0.0, unsure, ramp_s)
 
     def _turned(self, stop: Pose, after_s: float, times: FloatArray, turn_rad: float) -> FloatArray:
         """Return where it is when it departs from a stop, turned by an angle."""
@@ -190,8 +99,8 @@ class Helicopter:
     def _cruising(
         self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray
     ) -> list[Future]:
-        here = self._here(motion, ahead_s)
-        vx, vy, sigma = self._velocity(motion)
+        here = self.here(motion, ahead_s)
+        vx, vy, sigma = self.velocity(motion)
         onward = l1_kernels.straight_on(times, here.x_m, here.y_m, vx, vy)
         straight = Pose(here.x_m, here.y_m, math.atan2(vy, vx))
         slowing, inside, outside = self._stopping(straight, math.hypot(vx, vy), now_s, times)
@@ -211,10 +120,10 @@ class Helicopter:
         It was seen last up to ``UNSEEN_S`` before it was called lost.
         """
         found = self._cruising(motion, ahead_s, now_s, times)
-        if self._sure is None:
+        if self.sure is None:
             return found
         spread = self._ramp_spread(times)
-        for stop, in_s in unseen_stops(self.corner, *self._sure, self.model, now_s):
+        for stop, in_s in unseen_stops(self.corner, *self.sure, self.model, now_s):
             accel = self.model.accel_mps2
             stands, left, right = l1_kernels.stop_and_turn(
                 times, *stop, in_s, accel, accel, self.cruise_mps
@@ -229,9 +138,9 @@ class Helicopter:
     def _slowing(
         self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray
     ) -> list[Future]:
-        here = self._here(motion, ahead_s)
+        here = self.here(motion, ahead_s)
         slowing, inside, outside = self._stopping(here, motion.speed_mps, now_s, times)
-        corner = self._this_corner(here, now_s)
+        corner = self.this_corner(here, now_s)
         if corner is not None:  # its own course means little when it is slow
             here = Pose(here.x_m, here.y_m, corner.stop.heading_rad)
         forward = motion.vx_mps * math.cos(here.heading_rad)
@@ -251,33 +160,53 @@ class Helicopter:
     def _standing(
         self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray
     ) -> list[Future]:
-        here = self._here(motion, ahead_s)
-        corner = self._this_corner(here, now_s)
+        here = self.here(motion, ahead_s)
+        hovered = self.has_hovered
+        if hovered and motion.speed_mps > SURE_COURSE_MPS:
+            return self._leaving(motion, here, now_s, times)
+        corner = self.this_corner(here, now_s)
         stop = here if corner is None else corner.stop
         since = UNSEEN_S if corner is None else min(UNSEEN_S, max(0.0, now_s - corner.stop_time_s))
         inside = self.model.inside_rad
-        still = np.full_like(times, self._position_sigma_m)
+        if hovered:
+            stop, since = here, 0.0
+        still = np.full_like(times, self.position_sigma_m)
         spread = self._ramp_spread(times)
         found = [
             Future("stands", _along(here, np.zeros_like(times)), still, likely=True),
-            Future("leaves inside", self._turned(stop, -since, times, inside), spread, likely=True),
+            Future(
+                "leaves inside",
+                self._turned(stop, -since, times, inside),
+                spread,
+                likely=not hovered,
+            ),
             Future("leaves outside", self._turned(stop, 0.0, times, -inside), spread),
             Future("leaves straight on", self._turned(stop, 0.0, times, 0.0), spread),
         ]
         away = math.hypot(here.x_m - stop.x_m, here.y_m - stop.y_m)
-        if away > CONTRADICTION * math.hypot(self._position_sigma_m, STOP_SIGMA_M):
+        if away > CONTRADICTION * math.hypot(self.position_sigma_m, STOP_SIGMA_M):
             found += self._departing(motion, ahead_s, now_s, times)
         return found
+
+    def _leaving(self, motion: Motion, here: Pose, now_s: float, times: FloatArray) -> list[Future]:
+        """Return how one that has hovered leaves: where it is seen to go."""
+        run = _run(times, motion.speed_mps, self.model.accel_mps2, self.cruise_mps)
+        spread = self._ramp_spread(times)
+        slowing = self._stopping(here, motion.speed_mps, now_s, times)[0]
+        return [
+            Future("leaves", _along(here, run), np.hypot(spread, 0.05 * run), likely=True),
+            Future("stops again", slowing, spread),
+        ]
 
     def _departing(
         self, motion: Motion, ahead_s: float, now_s: float, times: FloatArray
     ) -> list[Future]:
-        here = self._here(motion, ahead_s)
+        here = self.here(motion, ahead_s)
         out = here
         if self.corner is not None:
-            out = way_out(self._inside(self.corner), here, self._position_sigma_m)
+            out = way_out(self.inside(self.corner), here, self.position_sigma_m)
         forward = max(0.0, motion.speed_mps * math.cos(motion.course_rad - out.heading_rad))
-        above, sigma = forward - self.cruise_mps, self._velocity_sigma_mps
+        above, sigma = forward - self.cruise_mps, self.velocity_sigma_mps
         if above < CONTRADICTION * sigma:
             forward = min(forward, self.cruise_mps)
         fastest = max(self.cruise_mps, forward)
@@ -291,7 +220,7 @@ class Helicopter:
         if above > IS_FAST * sigma:  # it is about to fly faster than it did before
             top = max(FASTER * self.cruise_mps, fastest)
             faster = _run(times, forward, self.model.accel_mps2, top)
-            bound = np.full_like(spread, self._position_sigma_m)
+            bound = np.full_like(spread, self.position_sigma_m)
             found.append(Future("departs faster", _along(out, faster), bound))
         return found
 

@@ -40,7 +40,8 @@ NO_APPROACH = ClosestApproach(math.inf, 0.0, "")
 class Outlook:
     """Both aircraft as they were told of last, and where they may be.
 
-    ``tuning``: of the autopilot's guidance. ``above_m``: the UAV's height above the helicopter.
+    ``tuning``: of the autopilot's guidance. ``above_m``: the UAV's height above the helicopter,
+    NaN where it is not known.
     """
 
     def __init__(self, parameters: MonitorParameters, model: HelicopterModel) -> None:
@@ -49,11 +50,16 @@ class Outlook:
         self.tuning = FollowerTuning()
         self.uav: Motion | None = None
         self.wind_mps: Vector = (0.0, 0.0)
-        self.above_m = 0.0
+        self.above_m = math.nan
         self._p = parameters
         count = round(parameters.horizon_s / STEP_S) + 1
         self._times: FloatArray = STEP_S * np.arange(count, dtype=np.float64)
         self._off_mps = 0.0
+
+    @property
+    def known_above_m(self) -> float:
+        """The UAV's height above the helicopter; the same altitude where it is not known."""
+        return 0.0 if math.isnan(self.above_m) else self.above_m
 
     def set_uav(self, motion: Motion) -> None:
         """Take the UAV's newest motion."""

@@ -47,6 +47,9 @@ class MonitorParameters:
     better_way_m: that another way out must be worth more, to change to it.
     rechoose_s: for how long a way out is held to at least.
     climb_mps: with which the UAV is expected to climb on a way out.
+    vertical_separation_m: who is nearer than min_separation_m, and less apart in altitude than
+        this, is told of at once.
+    adsb_sigma_m: standard deviation of the helicopter's ADS-B position.
     watch_only: say all this and do nothing, to see what a planner does by itself.
     """
 
@@ -75,6 +78,8 @@ class MonitorParameters:
     better_way_m: NotNegative = 15.0
     rechoose_s: NotNegative = 2.0
     climb_mps: NotNegative = 2.5
+    vertical_separation_m: NotNegative = 60.0
+    adsb_sigma_m: Positive = 30.0
     watch_only: bool = False
 
     def __post_init__(self) -> None:

@@ -18,6 +18,7 @@ from sar_bridge.monitor.helicopter_hypotheses import Helicopter
 from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.outlook import NO_APPROACH, Outlook
 from sar_bridge.monitor.parameters import MonitorParameters
+from sar_bridge.monitor.present import Present
 from sar_estimator.common.states import FloatArray, Motion
 
 
@@ -27,7 +28,8 @@ class SeparationMonitor:
     ``nearest``: the closest approach of the list being flown, in prediction. ``reason``: why the
     newest list was refused, or the UAV was sent away. ``refused_id``: of the newest list where it
     did not pass, else 0. ``escape``: the way out being flown. ``thresholds``: the distances [m] of
-    ``parameters``. ``outlook``: what is known and predicted of both aircraft.
+    ``parameters``. ``outlook``: what is known and predicted of both aircraft. ``present``: what is
+    wrong with them now.
     """
 
     def __init__(self, parameters: MonitorParameters, model: HelicopterModel) -> None:
@@ -39,6 +41,7 @@ class SeparationMonitor:
         self.reason = ""
         self.refused_id = 0
         self.escape: Escape | None = None
+        self.present = Present(parameters, self.outlook)
         self._alerts = Alerts(parameters)
         self._gate = Gate(parameters, self.outlook)
         self._guard = Guard(parameters, self.outlook)
@@ -88,7 +91,7 @@ class SeparationMonitor:
         self.outlook.tuning = tuning
 
     def set_above(self, above_m: float) -> None:
-        """Take the UAV's height above the helicopter [m]."""
+        """Take the UAV's height above the helicopter [m], NaN for unknown."""
         self.outlook.above_m = above_m
 
     def set_uploaded(self, list_id: int) -> None:

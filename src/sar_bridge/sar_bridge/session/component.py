@@ -9,6 +9,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_bridge.mavlink.addressed import Address
 from sar_bridge.mavlink.link import GROUND_COMPONENT, GROUND_SYSTEM
+from sar_bridge.mavlink.transponder import Transponder
 from sar_bridge.mavlink.vehicle_health import VehicleHealth
 from sar_bridge.session.ground_stations import Bridge, GroundStations, Traffic
 from sar_bridge.session.list_transfer import Messages
@@ -42,6 +43,7 @@ class BridgeComponent(Component):
         topics.UPLOADED,
         topics.AUTOPILOT,
         topics.WIND,
+        topics.ADSB,
         topics.DIAGNOSTICS,
     )
     period_s = 0.05
@@ -55,10 +57,12 @@ class BridgeComponent(Component):
         link_timeout_s: float = 3.0,
         own: Address = OWN,
         stations: int = 0,
+        helicopter_icao: str = "",
     ) -> None:
         """Fly lists at an altitude above home; see the node's parameters.
 
-        ``own``: its address; ``stations``: how many ground stations there may be.
+        ``own``: its address; ``stations``: how many ground stations there may be. Raises
+        ``ValueError`` for an ICAO address that is none.
         """
         super().__init__()
         self.session = AutopilotSession(
@@ -66,6 +70,7 @@ class BridgeComponent(Component):
         )
         self.stations = GroundStations(own, stations)
         self.vehicle = VehicleHealth()
+        self._transponder = Transponder(helicopter_icao)
         self.ros_s = 0.0
         self.link_breaks = 0
         self._liveness = Liveness(WATCHED, node_timeout_s)
@@ -135,7 +140,7 @@ class BridgeComponent(Component):
         out: Outputs = [(STATIONS, one) for one in passed]
         if not self.stations.is_ours(message):
             return out
-        self._hear_health(message)
+        out += self._hear_vehicle(message)
         messages, moved = session.handle(message, now_s=now_s, ros_s=self.ros_s, datum=self._datum)
         out += self._own(messages)
         if moved:
@@ -144,7 +149,7 @@ class BridgeComponent(Component):
             report = UavReport(
                 telemetry.motion,
                 telemetry.yaw_rad,
-                telemetry.up_m,
+                telemetry.altitude_m,
                 telemetry.pitch_rad,
                 telemetry.roll_rad,
                 telemetry.climb_mps,
@@ -160,12 +165,17 @@ class BridgeComponent(Component):
             out.append((topics.UPLOADED, Uploaded(accepted.list_id, accepted.items, upload_ms)))
         return out
 
-    def _hear_health(self, message: mavlink.MAVLink_message) -> None:
-        """Take what is told of the UAV, by its autopilot, and of the radio, by that."""
+    def _hear_vehicle(self, message: mavlink.MAVLink_message) -> Outputs:
+        """Take what is told of the UAV, by its autopilot, and of the radio, by that.
+
+        Return the helicopter's position where the UAV's ADS-B receiver hears it.
+        """
         address = self.session.address
         of_uav = address is not None and message.get_srcSystem() == address.system
         if of_uav or message.get_type() == "RADIO_STATUS":
             self.vehicle.handle(message)
+        seen = self._transponder.heard(message, self.ros_s, self._datum) if of_uav else None
+        return [] if seen is None else [(topics.ADSB, seen)]
 
     def receive_station(
         self, station: int, message: mavlink.MAVLink_message, now_s: float

@@ -16,6 +16,7 @@ from geometry_msgs.msg import (
     PoseWithCovarianceStamped,
     Quaternion,
     TwistStamped,
+    TwistWithCovarianceStamped,
     Vector3Stamped,
 )
 from geometry_msgs.msg import Pose as PoseMessage
@@ -26,7 +27,7 @@ from std_msgs.msg import Header, String
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.pose import Pose
-from sar_estimator.common.reports import Mark
+from sar_estimator.common.reports import Mark, Velocity
 from sar_estimator.common.states import (
     CornerEstimate,
     FloatArray,
@@ -39,6 +40,10 @@ FRAME = "map"
 
 
 NANOSECONDS = 1_000_000_000
+
+Z_VARIANCE = 14
+UNKNOWN_M2 = 1e6
+"""A variance that stands for not known."""
 
 
 def to_stamp(time_s: float) -> Time:
@@ -102,9 +107,12 @@ def _rotated(block: FloatArray, yaw_rad: float) -> FloatArray:
 
 
 def motion_to_odometry(
-    motion: Motion, *, child: str, yaw_rad: float | None = None, up_m: float = 0.0
+    motion: Motion, *, child: str, yaw_rad: float | None = None, altitude_m: float = math.nan
 ) -> Odometry:
-    """Return a motion as odometry: pose in the map, twist in the body's own axes (REP-105)."""
+    """Return a motion as odometry: pose in the map, twist in the body's own axes (REP-105).
+
+    z is the altitude above mean sea level; one that is not known is 0, with a huge variance.
+    """
     message = Odometry()
     message.header.stamp = to_stamp(motion.time_s)
     message.header.frame_id = FRAME
@@ -112,7 +120,10 @@ def motion_to_odometry(
     yaw = motion.course_rad if yaw_rad is None else yaw_rad
     message.pose.pose.position.x = motion.x_m
     message.pose.pose.position.y = motion.y_m
-    message.pose.pose.position.z = up_m
+    if math.isfinite(altitude_m):
+        message.pose.pose.position.z = altitude_m
+    else:
+        message.pose.covariance[Z_VARIANCE] = UNKNOWN_M2
     message.pose.pose.orientation = to_quaternion(yaw)
     c, s = math.cos(yaw), math.sin(yaw)
     message.twist.twist.linear.x = motion.vx_mps * c + motion.vy_mps * s
@@ -132,6 +143,12 @@ def odometry_to_motion(message: Odometry) -> Motion:
         twist.x * c - twist.y * s,
         twist.x * s + twist.y * c,
     )
+
+
+def odometry_altitude_m(message: Odometry) -> float:
+    """Return the altitude above mean sea level [m], NaN where it is not known."""
+    known = float(message.pose.covariance[Z_VARIANCE]) < UNKNOWN_M2
+    return float(message.pose.pose.position.z) if known else math.nan
 
 
 def motion_as_published(motion: Motion, yaw_rad: float | None = None) -> Motion:
@@ -184,11 +201,19 @@ def odometry_sigmas(message: Odometry) -> tuple[float, float]:
 
 def estimate_to_odometry(estimate: MotionEstimate) -> Odometry:
     """Return the helicopter's estimate as odometry with covariance."""
-    message = motion_to_odometry(estimate.motion, child="helicopter")
-    p = estimate.covariance
+    message = motion_to_odometry(
+        estimate.motion, child="helicopter", altitude_m=estimate.altitude_m
+    )
+    p, up = estimate.covariance, float(message.pose.covariance[Z_VARIANCE])
     yaw = estimate.motion.course_rad
     message.pose.covariance = _covariance(
-        {(0, 0): p[0, 0], (0, 1): p[0, 3], (1, 1): p[3, 3], (5, 5): _yaw_variance(estimate)}
+        {
+            (0, 0): p[0, 0],
+            (0, 1): p[0, 3],
+            (1, 1): p[3, 3],
+            (2, 2): up,
+            (5, 5): _yaw_variance(estimate),
+        }
     )
     twist = _rotated(p[np.ix_([1, 4], [1, 4])], yaw)
     message.twist.covariance = _covariance(
@@ -447,13 +472,30 @@ def vector_message(time_s: float, x: float, y: float) -> Vector3Stamped:
     return message
 
 
-def velocity_message(time_s: float, vx_mps: float, vy_mps: float) -> TwistStamped:
-    """Return a Doppler velocity [m/s], in the map's axes."""
+def velocity_message(velocity: Velocity) -> TwistStamped:
+    """Return a Doppler velocity, in the map's axes."""
     message = TwistStamped()
-    message.header.stamp = to_stamp(time_s)
+    message.header.stamp = to_stamp(velocity.time_s)
     message.header.frame_id = FRAME
-    message.twist.linear.x, message.twist.linear.y = vx_mps, vy_mps
+    message.twist.linear.x, message.twist.linear.y = velocity.vx_mps, velocity.vy_mps
     return message
+
+
+def velocity_with_covariance(velocity: Velocity) -> TwistWithCovarianceStamped:
+    """Return a Doppler velocity and how sure it is, in the map's axes."""
+    message = TwistWithCovarianceStamped(header=velocity_message(velocity).header)
+    message.twist.twist = velocity_message(velocity).twist
+    if velocity.sigma_mps is not None:
+        message.twist.covariance[0] = message.twist.covariance[7] = velocity.sigma_mps**2
+    return message
+
+
+def message_to_velocity(message: TwistWithCovarianceStamped) -> Velocity:
+    """Return the velocity; a variance that is not positive, or no number, says nothing."""
+    linear, variances = message.twist.twist.linear, message.twist.covariance
+    variance = max(float(variances[0]), float(variances[7]))
+    sigma = math.sqrt(variance) if 0.0 < variance < math.inf else None
+    return Velocity(from_stamp(message.header.stamp), linear.x, linear.y, sigma)
 
 
 def datum_message(datum: Datum, time_s: float) -> NavSatFix:

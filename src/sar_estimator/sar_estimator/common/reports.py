@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, NamedTuple
@@ -14,19 +15,27 @@ from sar_estimator.common.states import FloatArray, Motion
 
 
 class Velocity(NamedTuple):
-    """A receiver's velocity, east and north [m/s], at a time [s]."""
+    """A receiver's velocity, east and north [m/s], at a time [s].
+
+    ``sigma_mps``: its standard deviation along one axis, None where the receiver does not say.
+    """
 
     time_s: float
     vx_mps: float
     vy_mps: float
+    sigma_mps: float | None = None
 
 
 class HelicopterReport(NamedTuple):
-    """The helicopter's motion, and how sure its position [m] and velocity [m/s] are."""
+    """The helicopter's motion, and how sure its position [m] and velocity [m/s] are.
+
+    ``altitude_m``: above mean sea level, NaN where it is not known.
+    """
 
     motion: Motion
     position_sigma_m: float
     velocity_sigma_mps: float
+    altitude_m: float = math.nan
 
 
 class Mark(NamedTuple):
@@ -47,14 +56,14 @@ class Target(NamedTuple):
 
 
 class UavReport(NamedTuple):
-    """The UAV's motion, its heading, and its height above the map's origin [m].
+    """The UAV's motion, its heading, and its altitude above mean sea level, NaN where unknown [m].
 
     And how it is flown there: pitch and roll (to the right positive), and its climb.
     """
 
     motion: Motion
     yaw_rad: float
-    up_m: float = 0.0
+    altitude_m: float = math.nan
     pitch_rad: float = 0.0
     roll_rad: float = 0.0
     climb_mps: float = 0.0
@@ -104,7 +113,8 @@ class MonitorReport:
     ``alert``: none, caution, warning or escape. ``reason``: why the newest list was refused, or the
     UAV sent away. ``refused_id``: of the newest list that it did not let pass, 0 for none.
     ``thresholds``: distances [m] by name. ``counts``: how often each alert began, and lists passed
-    and were refused.
+    and were refused. ``too_near``: that the aircraft are too near each other now, and ``adsb``:
+    that the helicopter's ADS-B position is elsewhere; empty where it is not so.
     """
 
     alert: str = "none"
@@ -113,6 +123,8 @@ class MonitorReport:
     watch_only: bool = False
     thresholds: Mapping[str, float] = field(default_factory=dict)
     counts: Mapping[str, int] = field(default_factory=dict)
+    too_near: str = ""
+    adsb: str = ""
 
     @property
     def escaping(self) -> bool:

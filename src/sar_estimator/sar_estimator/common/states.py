@@ -72,10 +72,14 @@ class Motion(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class MotionEstimate:
-    """A motion and its covariance, shape (6, 6), in the order x, vx, ax, y, vy, ay."""
+    """A motion and its covariance, shape (6, 6), in the order x, vx, ax, y, vy, ay.
+
+    ``altitude_m``: above mean sea level, NaN where it is not known.
+    """
 
     motion: Motion
     covariance: FloatArray
+    altitude_m: float = math.nan
 
     @property
     def sigmas(self) -> tuple[float, float]:

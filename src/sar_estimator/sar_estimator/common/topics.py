@@ -2,6 +2,8 @@
 
 FIX = "/helicopter/fix"
 VELOCITY = "/helicopter/vel"
+FIX_VELOCITY = "/helicopter/fix_velocity"
+ADSB = "/helicopter/adsb"
 DATUM = "/datum"
 HELICOPTER_ODOMETRY = "/helicopter/odometry"
 HELICOPTER_ACCEL = "/helicopter/accel"
@@ -44,6 +46,8 @@ COMMON = frozenset(
     {
         FIX,
         VELOCITY,
+        FIX_VELOCITY,
+        ADSB,
         DATUM,
         HELICOPTER_ODOMETRY,
         HELICOPTER_ACCEL,

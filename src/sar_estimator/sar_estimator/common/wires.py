@@ -19,6 +19,7 @@ from geometry_msgs.msg import (
     PointStamped,
     PoseWithCovarianceStamped,
     TwistStamped,
+    TwistWithCovarianceStamped,
     Vector3Stamped,
 )
 from nav_msgs.msg import Odometry, Path
@@ -111,17 +112,20 @@ def _text(value: object, _time_s: float) -> String:
 
 def _helicopter(message: Odometry) -> HelicopterReport:
     return HelicopterReport(
-        conversions.odometry_to_motion(message), *conversions.odometry_sigmas(message)
+        conversions.odometry_to_motion(message),
+        *conversions.odometry_sigmas(message),
+        conversions.odometry_altitude_m(message),
     )
 
 
 def _helicopter_carried(estimate: MotionEstimate) -> HelicopterReport:
-    return HelicopterReport(conversions.motion_as_published(estimate.motion), *estimate.sigmas)
+    motion = conversions.motion_as_published(estimate.motion)
+    return HelicopterReport(motion, *estimate.sigmas, estimate.altitude_m)
 
 
 def _uav_message(report: UavReport, _time_s: float) -> Odometry:
     message = conversions.motion_to_odometry(
-        report.motion, child="uav", yaw_rad=report.yaw_rad, up_m=report.up_m
+        report.motion, child="uav", yaw_rad=report.yaw_rad, altitude_m=report.altitude_m
     )
     attitude = report.yaw_rad, report.pitch_rad, report.roll_rad
     message.pose.pose.orientation = conversions.to_quaternion(*attitude)
@@ -132,12 +136,16 @@ def _uav_message(report: UavReport, _time_s: float) -> Odometry:
 def _uav(message: Odometry) -> UavReport:
     pose = message.pose.pose
     yaw = conversions.to_yaw(pose.orientation)
-    return UavReport(conversions.odometry_to_motion(message), yaw, pose.position.z)
+    motion, altitude_m = (
+        conversions.odometry_to_motion(message),
+        conversions.odometry_altitude_m(message),
+    )
+    return UavReport(motion, yaw, altitude_m)
 
 
 def _uav_carried(report: UavReport) -> UavReport:
     motion = conversions.motion_as_published(report.motion, report.yaw_rad)
-    return UavReport(motion, report.yaw_rad, report.up_m)
+    return UavReport(motion, report.yaw_rad, report.altitude_m)
 
 
 def _velocity(message: TwistStamped) -> Velocity:
@@ -206,7 +214,10 @@ ALERT_LEVELS = {"none": Level.OK, "escape": Level.ERROR}
 
 def _monitor_message(report: MonitorReport, _time_s: float) -> DiagnosticStatus:
     level = ALERT_LEVELS.get(report.alert, Level.WARN)
-    return to_status("monitor", report, level=level, message=report.reason or report.alert)
+    wrong = report.too_near or report.adsb
+    if level is Level.OK and wrong:
+        level = Level.WARN
+    return to_status("monitor", report, level=level, message=report.reason or wrong or report.alert)
 
 
 def _health(health: Health, time_s: float) -> DiagnosticArray:
@@ -254,8 +265,24 @@ WIRES: dict[str, Wire] = {
         "its velocity in the map's axes, optional",
         TwistStamped,
         SENSOR,
-        lambda v, _: conversions.velocity_message(v.time_s, v.vx_mps, v.vy_mps),
+        lambda velocity, _: conversions.velocity_message(velocity),
         _velocity,
+        lambda velocity: velocity._replace(sigma_mps=None),
+    ),
+    topics.FIX_VELOCITY: Wire(
+        "the same and how sure it is; where it comes, the other one does not count",
+        TwistWithCovarianceStamped,
+        SENSOR,
+        lambda velocity, _: conversions.velocity_with_covariance(velocity),
+        conversions.message_to_velocity,
+        _same,
+    ),
+    topics.ADSB: Wire(
+        "its position by ADS-B, as the UAV hears it",
+        PointStamped,
+        RELIABLE,
+        lambda seen, _: conversions.target_message(*seen),
+        _target,
         _same,
     ),
     topics.DATUM: Wire(

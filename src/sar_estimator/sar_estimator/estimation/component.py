@@ -85,8 +85,8 @@ class EstimatorComponent(Component):
     ) -> None:
         """Know nothing; without a ``datum`` the first fix is the map's origin.
 
-        ``velocity_sigma_mps``: of the receiver's velocities. ``rate_hz``: of predictions. Raises
-        ``ValueError`` for a rate that cannot be meant.
+        ``velocity_sigma_mps``: of the receiver's velocities, at least. ``rate_hz``: of predictions.
+        Raises ``ValueError`` for a rate that cannot be meant.
         """
         super().__init__()
         if not 0.0 < rate_hz <= MOST_RATE_HZ:
@@ -96,7 +96,12 @@ class EstimatorComponent(Component):
         self._velocity_sigma_mps = velocity_sigma_mps
         self._phase: Phase | None = None
         self._datum_published = False
-        self.inputs = {topics.FIX: self._on_fix, topics.VELOCITY: self._on_velocity}
+        self._tells_sigma = False
+        self.inputs = {
+            topics.FIX: self._on_fix,
+            topics.VELOCITY: self._on_velocity,
+            topics.FIX_VELOCITY: self._on_fix_velocity,
+        }
 
     def start(self, now_s: float) -> Outputs:  # noqa: ARG002
         """Tell of the map's origin where it was given."""
@@ -108,8 +113,16 @@ class EstimatorComponent(Component):
         return [*self._datum_outputs(), *self._changed(fix.time_s)]
 
     def _on_velocity(self, velocity: Velocity, _now_s: float) -> Outputs:
+        return [] if self._tells_sigma else self._add(velocity)
+
+    def _on_fix_velocity(self, velocity: Velocity, _now_s: float) -> Outputs:
+        self._tells_sigma = True
+        return self._add(velocity)
+
+    def _add(self, velocity: Velocity) -> Outputs:
         before = self.estimator.corner
-        self.estimator.add_velocity(*velocity, self._velocity_sigma_mps)
+        sigma = max(self._velocity_sigma_mps, velocity.sigma_mps or 0.0)
+        self.estimator.add_velocity(velocity.time_s, velocity.vx_mps, velocity.vy_mps, sigma)
         # One that comes after its fix says more.
         return [] if self.estimator.corner is before else self._changed(velocity.time_s)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,7 @@ STOP_CONFIRM_S = 2.0
 STOPPED_SHARE = 0.4
 MOVING_FIXES = 2
 SLOW_FIXES = 2
+HELD_RAD, ROLLED_OUT_S = math.radians(8.0), 6.0
 YOUNG_S = 6.0
 KNOWN_SPEED_SIGMA_MPS = 0.8
 KNOWN_AFTER_S = 10.0
@@ -35,6 +37,19 @@ STRAIGHT_AGAIN_S = 4.0
 TURNING_RAD = math.radians(20.0)
 CONFIRMED_RAD = math.radians(12.0)
 TURNED_RAD = math.radians(65.0)
+
+
+class _Course(NamedTuple):
+    """A course [rad] that is held, and since when [s]."""
+
+    since_s: float
+    course_rad: float
+
+    def after(self, motion: Motion) -> _Course:
+        """Return it, or the present one where that is another."""
+        off = abs(wrap_angle(motion.course_rad - self.course_rad))
+        held = off < HELD_RAD and math.isfinite(self.since_s)
+        return self if held else _Course(motion.time_s, motion.course_rad)
 
 
 class CornerTracker:
@@ -56,6 +71,7 @@ class CornerTracker:
         self._posterior: StopPosterior | None = None
         self._detected_s = -math.inf
         self._turning_since_s: float | None = None
+        self._rolled_out = _Course(-math.inf, 0.0)
         self._moving_fixes = self._slow_fixes = 0
         self._begins = False
         self._still_since_s: float | None = None
@@ -119,6 +135,7 @@ class CornerTracker:
         """Predict a corner."""
         self._detected_s = motion.time_s
         self._turning_since_s = None
+        self._rolled_out = _Course(-math.inf, 0.0)
         self._slow_fixes = 0
         self._posterior = None
         assert self.leg is not None
@@ -189,9 +206,15 @@ class CornerTracker:
         return self._slow_fixes >= SLOW_FIXES
 
     def _turn(self, seen: Watch, motion: Motion, turned: float) -> None:
-        """Follow a turn that is rolled: on its new leg once most of it is flown."""
+        """Follow a turn that is rolled: on its new leg once most of it is flown.
+
+        Or once it is flown straight on, though less than a corner was turned.
+        """
         assert self._turning_since_s is not None
-        if abs(turned) > TURNED_RAD or motion.speed_mps < MOVING_MPS:
+        self._rolled_out = self._rolled_out.after(motion)
+        is_out = motion.time_s - self._rolled_out.since_s > ROLLED_OUT_S
+        elsewhere = is_out and abs(turned) > TURNING_RAD
+        if abs(turned) > TURNED_RAD or motion.speed_mps < MOVING_MPS or elsewhere:
             self._begin_moving(motion)
         elif abs(turned) < TURNING_RAD and (
             motion.time_s - self._turning_since_s > STRAIGHT_AGAIN_S or seen.turning < 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -54,6 +55,7 @@ class HelicopterEstimator:
         self._tracker = CornerTracker(parameters)
         self._filters: MotionFilters | None = None
         self._accepted_s = -math.inf
+        self._altitude_m = math.nan
         self._outliers: list[tuple[float, float, float]] = []
         self._velocities: deque[LegRow] = deque(maxlen=MAX_VELOCITIES)
         self._velocity_s = self._believed_s = -math.inf
@@ -91,9 +93,9 @@ class HelicopterEstimator:
         if self._filters is None:
             return None
         until_s = min(time_s, self._accepted_s + MAX_COAST_S)
-        return (
-            self._filters.steady(until_s) if self._tracker.on_leg else self._filters.agile(until_s)
-        )
+        on_leg = self._tracker.on_leg
+        found = self._filters.steady(until_s) if on_leg else self._filters.agile(until_s)
+        return replace(found, altitude_m=self._altitude_m)
 
     def add_fix(self, fix: Fix) -> Verdict:
         """Take a fix; return what became of it."""
@@ -121,6 +123,8 @@ class HelicopterEstimator:
         if surprise > self.parameters.gate_chi2:
             return self.screen.note(fix, self._outlier(fix.time_s, position, spread))
         self._accept(filters, fix.time_s, position, spread)
+        if math.isfinite(fix.altitude_m):
+            self._altitude_m = fix.altitude_m
         return self.screen.note(fix, Verdict.ACCEPTED)
 
     def add_velocity(self, time_s: float, vx_mps: float, vy_mps: float, sigma_mps: float) -> bool:

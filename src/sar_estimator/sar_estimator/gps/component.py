@@ -21,7 +21,7 @@ class GpsComponent(Component):
     """
 
     name = "gps"
-    outputs = (topics.FIX, topics.VELOCITY, topics.DIAGNOSTICS)
+    outputs = (topics.FIX, topics.VELOCITY, topics.FIX_VELOCITY, topics.DIAGNOSTICS)
     period_s = 1.0
 
     def __init__(self, *, uere_m: float = 5.0) -> None:
@@ -59,7 +59,9 @@ class GpsComponent(Component):
             text = f"the receiver's clock, or this machine's, was set: {self._clock.offset_s:.3f} s"
             out.append((NOTICES, Notice("warning", text)))
         if reading.velocity_mps is not None:
-            out.append((topics.VELOCITY, Velocity(stamp_s, *reading.velocity_mps)))
+            sigma = reading.velocity_sigma_mps
+            velocity = Velocity(stamp_s, *reading.velocity_mps, sigma)
+            out.append((topics.FIX_VELOCITY if sigma else topics.VELOCITY, velocity))
         fix = Fix(
             stamp_s,
             reading.latitude_deg,

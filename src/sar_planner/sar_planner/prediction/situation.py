@@ -16,6 +16,7 @@ from sar_planner.prediction.helicopter_predictor import HelicopterPredictor
 CLOCK_STEP_S = 1.0
 SAME_CORNER_S = 10.0
 STRAY_SIGMAS = 2.0
+HOVER_MPS, HOVERS_S = 5.0, 10.0
 
 
 class Situation:
@@ -34,6 +35,7 @@ class Situation:
         self.helicopter: Motion | None = None
         self.uav: Motion | None = None
         self.phase = Phase.LOST
+        self._stopped_s = math.inf
         self.leg: LegEstimate | None = None
         self.estimate: CornerEstimate | None = None
         self.corners_seen = 0
@@ -69,6 +71,10 @@ class Situation:
             self._is_predicted = False
         if self.phase is Phase.DECELERATING and phase in (Phase.CRUISE, Phase.ACCELERATING):
             self.went_on = not self._has_turned
+        if phase is not Phase.STOPPED or self.helicopter is None:
+            self._stopped_s = math.inf
+        elif self.phase is not phase:
+            self._stopped_s = self.helicopter.time_s
         self.phase = phase
 
     @property
@@ -108,6 +114,18 @@ class Situation:
     def set_clock_back(self) -> None:
         """Forget what belongs to a time that has not come yet."""
         self.estimate = self._told = self.helicopter = self.uav = self.leg = None
+
+    @property
+    def has_hovered(self) -> bool:
+        """Whether the helicopter was told to stand for longer than in a corner, up to now."""
+        seen = self.helicopter
+        return seen is not None and seen.time_s - self._stopped_s > HOVERS_S
+
+    @property
+    def hovers(self) -> bool:
+        """Whether it has hovered, and is not seen to leave."""
+        seen = self.helicopter
+        return seen is not None and self.has_hovered and seen.speed_mps < HOVER_MPS
 
     # Derived -----------------------------------------------------------------------------------
 

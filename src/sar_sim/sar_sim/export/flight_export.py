@@ -27,10 +27,13 @@ ARDUPILOT, FIXED_WING = 3, 1
 
 @dataclass(frozen=True)
 class TrackPoints:
-    """Where an aircraft was: ``times_s`` since 1970, shape (n,), ``xyz_m`` in the map, (n, 3)."""
+    """Where an aircraft was at ``times_s`` since 1970, shape (n,).
+
+    ``places_m``: x and y in the map, and altitude above mean sea level, shape (n, 3).
+    """
 
     times_s: FloatArray
-    xyz_m: FloatArray
+    places_m: FloatArray
 
 
 @dataclass(frozen=True)
@@ -50,15 +53,15 @@ class FlightExport:
     altitude_m: float
 
 
-def _geodetic(datum: Datum, xyz_m: FloatArray) -> FloatArray:
+def _geodetic(datum: Datum, places_m: FloatArray) -> FloatArray:
     """Return latitudes, longitudes [deg] and altitudes [m] of places, shape (n, 3)."""
-    found = np.array([datum.to_geodetic(*place) for place in xyz_m.tolist()], dtype=np.float64)
-    return found.reshape(-1, 3)
+    found = datum.all_to_geodetic(places_m[:, :2])
+    return np.column_stack((found[:, :2], places_m[:, 2]))
 
 
 def swath_of(flight: FlightExport, name: str) -> list[FloatArray]:
     """Return the outlines of what an aircraft saw, each of shape (n, 3): longitude, latitude, 0."""
-    track = flight.tracks[name].xyz_m[:, :2]
+    track = flight.tracks[name].places_m[:, :2]
     if len(track) < 2:
         return []
     seen = shapely.LineString(track).simplify(SIMPLER_M).buffer(0.5 * flight.swath_m)
@@ -76,7 +79,7 @@ def to_gpx(flight: FlightExport) -> str:
     gpx.name = flight.name
     for name, track in flight.tracks.items():
         segment = gpxpy.gpx.GPXTrackSegment()
-        places = _geodetic(flight.datum, track.xyz_m).tolist()
+        places = _geodetic(flight.datum, track.places_m).tolist()
         for (latitude, longitude, altitude), time_s in zip(
             places, track.times_s.tolist(), strict=True
         ):
@@ -100,7 +103,7 @@ def to_kml(flight: FlightExport) -> str:
     """Return tracks, swaths, marks and the list as KML 2.2 (simplekml)."""
     kml = simplekml.Kml(name=flight.name)
     for name, track in flight.tracks.items():
-        places = _geodetic(flight.datum, track.xyz_m)
+        places = _geodetic(flight.datum, track.places_m)
         line = kml.newlinestring(name=name, coords=places[:, [1, 0, 2]].tolist())
         line.altitudemode = simplekml.AltitudeMode.absolute
         line.style.linestyle.color, line.style.linestyle.width = COLOURS[name], 2
@@ -120,7 +123,7 @@ def to_geojson(flight: FlightExport) -> str:
     """Return tracks, swaths, marks and the list as GeoJSON (RFC 7946)."""
     features = []
     for name, track in flight.tracks.items():
-        places = _geodetic(flight.datum, track.xyz_m)
+        places = _geodetic(flight.datum, track.places_m)
         line = {"type": "LineString", "coordinates": places[:, [1, 0, 2]].tolist()}
         features.append(_feature(line, name=name, kind="track", times_s=track.times_s.tolist()))
         features += [

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from sar_estimator.common import topics
 from sar_estimator.common.component import Answer, Outputs
+from sar_estimator.common.pose import Pose
 from sar_estimator.common.reports import Target
-from sar_estimator.common.states import Motion
 from sar_sim.scenario.scenario import Find
 
 AGAIN_S = 1.0
@@ -28,10 +28,10 @@ class Finder:
         self._services = services
         self._asked_s = -AGAIN_S
 
-    def due(self, time_s: float, now_s: float, helicopter: Callable[[], Motion]) -> Outputs:
+    def due(self, time_s: float, now_s: float, place: Callable[[Find], Pose]) -> Outputs:
         """Return what comes of what is due at a mission's time [s]; ``now_s``: by its clock.
 
-        ``helicopter`` is asked where it is when something is marked.
+        ``place`` is asked where a find is when it is marked.
         """
         if not self._steps or time_s < self._steps[0][0] or time_s - self._asked_s < AGAIN_S:
             return []
@@ -39,8 +39,8 @@ class Finder:
         self._asked_s = time_s
         if what == topics.TARGET:
             self._steps.pop(0)
-            place = helicopter().pose.offset(find.ahead_m, find.left_m)
-            return [(topics.TARGET, Target(now_s, place.x_m, place.y_m))]
+            mark = place(find)
+            return [(topics.TARGET, Target(now_s, mark.x_m, mark.y_m))]
         answer = self._services[what](now_s)
         if answer.success:
             self._steps.pop(0)

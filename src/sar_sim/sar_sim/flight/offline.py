@@ -16,6 +16,7 @@ from sar_estimator.common.checked import Side
 from sar_estimator.common.component import Component
 from sar_estimator.common.conversions import stamped_s
 from sar_estimator.common.gps_fix import Fix
+from sar_estimator.common.pose import Pose
 from sar_estimator.common.reports import UavStatus, Uploaded, WaypointList
 from sar_estimator.common.states import Motion
 from sar_estimator.common.wires import Quality
@@ -30,7 +31,8 @@ from sar_sim.autopilot.presets import parameter_values
 from sar_sim.flight.bus import Bus
 from sar_sim.flight.finder import Finder
 from sar_sim.flight.upload import SimulatedBridge
-from sar_sim.scenario.scenario import Scenario
+from sar_sim.scenario.scenario import Find, Scenario
+from sar_sim.world.detour import place
 from sar_sim.world.truth import TruthComponent
 from sar_sim.world.wires import ALL_WIRES
 from sar_sim.world.world import World
@@ -200,7 +202,7 @@ class OfflineFlight:
         for reception in receptions:
             bus.receive(reception)
         if self.world.scenario.finds:
-            bus.publish_all(self._finder.due(self.world.time_s, bus.now_s, self._leader))
+            bus.publish_all(self._finder.due(self.world.time_s, bus.now_s, self._found_at))
         if self._truth or receptions or self._steps % STEPS_PER_TICK == 0:
             self._tell_motions()
             self._decide()
@@ -210,13 +212,14 @@ class OfflineFlight:
         if self._steps % STEPS_PER_GUARD == 0:
             bus.tick(self._monitor)
 
-    def _leader(self) -> Motion:
-        """Return the simulated helicopter's motion; of a recorded one what was estimated."""
+    def _found_at(self, find: Find) -> Pose:
+        """Return where a find is; beside a recorded helicopter by what was estimated of it."""
         helicopter = self.world.helicopter
         if helicopter is not None:
-            return helicopter.motion(self.world.time_s)
-        seen = self.planner.situation.helicopter
-        return Motion(0.0, 0.0, 0.0, 0.0, 0.0) if seen is None else seen
+            seen = helicopter.motion(find.time_s)
+            return place(find, seen, helicopter.heading_rad(find.time_s))
+        estimated = self.planner.situation.helicopter or Motion(0.0, 0.0, 0.0, 0.0, 0.0)
+        return place(find, estimated, estimated.course_rad)
 
     def _tell_uploaded(self, arrived: WaypointList) -> None:
         self._bus.publish(topics.UPLOADED, Uploaded(arrived.list_id, len(arrived.points)))

@@ -349,6 +349,7 @@ FIGURES: dict[str, Callable[[Any], dict[str, Any]]] = {
 INPUTS = (
     topics.FIX,
     topics.VELOCITY,
+    topics.FIX_VELOCITY,
     topics.DATUM,
     topics.UAV_ODOMETRY,
     topics.UAV_STATE,

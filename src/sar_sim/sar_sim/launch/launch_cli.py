@@ -16,6 +16,7 @@ from ament_index_python.packages import get_package_prefix
 
 from sar_bridge.mavlink.link import opener
 from sar_estimator.common import topics
+from sar_estimator.common.completion import add_completion, of_file, of_folder
 from sar_estimator.common.node_support import Persistent
 from sar_estimator.gps.source import check_url
 from sar_planner.parameters.corner import PLANNERS, ParameterError
@@ -185,10 +186,16 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--console-port", type=int, default=8080, metavar="PORT", help="of the operator's page"
     )
+    tiles = parser.add_argument("--tiles", type=Path, metavar="DIR", help="map tiles, Z/X/Y.png")
     parser.add_argument("--no-console", action="store_true", help="without the operator's page")
     parser.add_argument("--no-sim", action="store_true", help="nothing simulated: a real flight")
-    parser.add_argument("--params", type=Path, help="node parameters, default config/params.yaml")
+    params = parser.add_argument(
+        "--params", type=Path, help="node parameters, default config/params.yaml"
+    )
     parser.add_argument("--setup", action="store_true", help="only set up and build")
+    of_folder(tiles)
+    of_file(params)
+    add_completion(parser)
     return parser.parse_args(argv)
 
 
@@ -209,7 +216,10 @@ def prepare(args: argparse.Namespace) -> Flight:
         gps=args.gps,
         gcs=tuple(args.gcs),
         console=0 if args.no_console else args.console_port,
+        tiles="" if args.tiles is None else str(args.tiles.resolve()),
     )
+    if args.tiles is not None:
+        run_apart("sar_bridge.console.tiles:levels_of", args.tiles)
     if options.gps:
         check_url(options.gps)
     if options.autopilot:

@@ -23,7 +23,7 @@ class FlightOptions:
     says what it sees and does nothing. ``engage``: an autopilot that is not simulated here is
     engaged as soon as the planner agrees. ``gps``: URL of the helicopter's receiver, empty where
     another driver gives its fixes. ``gcs``: URLs of ground stations beside.
-    ``console``: port of the operator's page, 0 for none.
+    ``console``: port of the operator's page, 0 for none. ``tiles``: folder of map tiles for it.
     """
 
     helicopter: str = "sim"
@@ -36,6 +36,7 @@ class FlightOptions:
     gps: str = ""
     gcs: tuple[str, ...] = ()
     console: int = 0
+    tiles: str = ""
 
     def __post_init__(self) -> None:
         """Refuse combinations that make no flight."""
@@ -133,6 +134,7 @@ def _console_parameters(scenario: Scenario, options: FlightOptions, bag: Path) -
         "swath_m": 2.0 * scenario.sensor.radius_m,
         "address_file": str(bag.parent / ADDRESS_FILE),
         "folder": str(bag.parent),
+        "tiles": options.tiles,
     }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from sar_bridge.monitor.component import MonitorComponent
 from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.parameters import MonitorParameters
+from sar_bridge.services import SERVICES
 from sar_bridge.session.component import BridgeComponent
 from sar_estimator.common import topics
 from sar_estimator.common.component import Component
@@ -23,13 +24,15 @@ REST = """
 Beside these: `/clock`, and the truth that a simulation tells: `/sim/helicopter`, `/sim/uav`,
 `/sim/corner`, `/sim/scenario`.
 
-Services (std_srvs/Trigger): `/planner/engage`, `/planner/disengage`, `/bridge/return_home`.
+Services (std_srvs/Trigger):
+SERVICES.
 
 Topics in bold are the same for all UAVs. All others, and the services, are relative: with
 `--ros-args -r __ns:=/uav2` they are `/uav2/uav/odometry` and so on.
 
-Frame `map`: x east, y north, about the datum (REP-103, REP-105). NED and 1e7 degrees exist only
-inside the bridge.
+Frame `map`: x east, y north, about the datum (REP-103, REP-105); z of odometry is the altitude above
+mean sea level, with a variance of 1e6 where it is not known. NED and 1e7 degrees exist only inside
+the bridge.
 """
 
 
@@ -65,4 +68,5 @@ def interfaces_text() -> str:
             f"| {name} | {package}/{wire.kind.__name__} | {wire.what} | {givers or 'every node'} | "
             f"{takers or 'you'} | {wire.quality} |"
         )
-    return "\n".join(lines) + "\n" + REST
+    services = ", ".join(f"`{service}`" for service in SERVICES.values())
+    return "\n".join(lines) + "\n" + REST.replace("SERVICES", services)

@@ -39,6 +39,7 @@ FAULTS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(NODES, ("off", "stuck")),
 }
 Anomaly = Literal["other_way", "go_on", "break_off"]
+FindKind = Literal["goes_on", "hovers", "circles", "stays"]
 PilotKind = Literal["robot", "steady", "human", "rough"]
 Receiver = Literal["plain", "white", "modern", "old"]
 AutopilotKind = Literal["ideal", "arduplane", "piccolo2005"]
@@ -269,13 +270,17 @@ class Fault:
 class Find:
     """Somebody is seen at ``time_s``, marked, and orbited for ``orbit_s``; then the UAV resumes.
 
-    ``ahead_m``, ``left_m``: where, from the helicopter; 0, 0: under it.
+    ``ahead_m``, ``left_m``: where, from the helicopter; 0, 0: under it. ``helicopter``: goes_on on
+    its pattern; or flies to the mark, and hovers or circles there for ``hover_s`` before it takes
+    its pattern up again; or stays there (it may land) to the end.
     """
 
     time_s: NotNegative
     orbit_s: Positive = 300.0
     ahead_m: float = 0.0
     left_m: float = 0.0
+    helicopter: FindKind = "goes_on"
+    hover_s: NotNegative = 120.0
 
 
 @dataclass(frozen=True, slots=True, config=CHECKED)

@@ -22,11 +22,11 @@ def table(trials: list[Trial], separation_m: float) -> str:
             continue
         waits = np.array([trial.wait_s for trial in part])
         reached = np.array([trial.reach_s for trial in part])
-        off = np.array([trial.off_m for trial in part])
+        held = np.array([trial.held for trial in part])
         lines.append(
-            f"{pilot:11s} {len(part):5d} finds: orbited {np.mean(~np.isnan(reached)):.1%}, begun "
-            f"after {_quantiles(waits)} s, on the circle after {_quantiles(reached)} s, beside it "
-            f"{_quantiles(off)} m (median, 95 %); least separation in orbit "
+            f"{pilot:17s} {len(part):5d} finds: orbited {np.mean(~np.isnan(reached)):.1%}, begun "
+            f"after {_quantiles(waits)} s, on the circle after {_quantiles(reached)} s (median, "
+            f"95 %), held {np.nanmean(held):.0%} of the time; least separation in orbit "
             f"{min(trial.orbit_closest_m for trial in part):.0f} m, after the order "
             f"{min(trial.closest_m for trial in part):.0f} m, under {separation_m:.0f} m in "
             f"{sum(trial.closest_m < separation_m for trial in part)}; "

@@ -27,8 +27,8 @@ from sar_sim.world.helicopter import (
     PatternHelicopter,
     leg_lengths_m,
 )
+from sar_sim.world.sampled_motion import STEP_S, SampledMotion
 
-STEP_S = 0.1
 WOBBLE_S = 1.5
 LEAST_ACCEL_MPS2 = 0.5
 EASE_S = 1.5
@@ -363,8 +363,7 @@ class HumanHelicopter:
         ]
         places += offsets[:, :2]
         velocities += offsets[:, 2:]
-        accels = np.gradient(velocities, STEP_S, axis=0)
-        self._rows = np.hstack((places, velocities, accels)).tolist()
+        self._flown = SampledMotion(places, velocities)
         self._headings = headings.tolist()
 
     def _truth(
@@ -410,21 +409,7 @@ class HumanHelicopter:
 
     def motion(self, time_s: float) -> Motion:
         """Return the true motion at ``time_s`` [s], counted from the start."""
-        at = min(max(time_s / STEP_S, 0.0), len(self._rows) - 1.000001)
-        i = int(at)
-        t, a, b = at - i, self._rows[i], self._rows[i + 1]
-        # Cubic Hermite in between: positions and velocities are those of the steps.
-        h1, h2 = t * t * (3.0 - 2.0 * t), t * (1.0 - t) * (1.0 - t) * STEP_S
-        h3 = -t * t * (1.0 - t) * STEP_S
-        return Motion(
-            time_s,
-            a[0] + h1 * (b[0] - a[0]) + h2 * a[2] + h3 * b[2],
-            a[1] + h1 * (b[1] - a[1]) + h2 * a[3] + h3 * b[3],
-            a[2] + t * (b[2] - a[2]),
-            a[3] + t * (b[3] - a[3]),
-            a[4] + t * (b[4] - a[4]),
-            a[5] + t * (b[5] - a[5]),
-        )
+        return self._flown.at(time_s)
 
     def heading_rad(self, time_s: float) -> float:
         """Return the reference's course [rad]: along the leg being flown, through a corner."""

@@ -17,6 +17,7 @@ from sar_sim.autopilot.autopilot import SimAutopilot
 from sar_sim.autopilot.wind import Gusts
 from sar_sim.scenario.faults import clock_error_s
 from sar_sim.scenario.scenario import Scenario
+from sar_sim.world.detour import detoured
 from sar_sim.world.faulty_receiver import FaultyReceiver
 from sar_sim.world.gps import FixSource, NoReceiver, Reception, RecordedTrack, SimulatedGps
 from sar_sim.world.helicopter import CornerTruth, Helicopter
@@ -53,8 +54,12 @@ class World:
             self.source, self.end_s = NoReceiver(), math.inf
         elif track is None:
             corner = scenario.corner
-            self.helicopter = flown_by(
-                scenario.pilot, scenario.pattern, corner.speed_mps, corner.accel_mps2
+            self.helicopter = detoured(
+                flown_by(scenario.pilot, scenario.pattern, corner.speed_mps, corner.accel_mps2),
+                scenario.finds,
+                scenario.pilot,
+                speed_mps=corner.speed_mps,
+                accel_mps2=corner.accel_mps2,
             )
             self.end_s = self.helicopter.end_s
             self.source = SimulatedGps(self.helicopter, scenario.gps, self.datum)
