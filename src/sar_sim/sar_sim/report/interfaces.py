@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 from sar_bridge.monitor.component import MonitorComponent
 from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.parameters import MonitorParameters
@@ -24,15 +26,14 @@ REST = """
 Beside these: `/clock`, and the truth that a simulation tells: `/sim/helicopter`, `/sim/uav`,
 `/sim/corner`, `/sim/scenario`.
 
-Services (std_srvs/Trigger):
-SERVICES.
+SERVICES
 
 Topics in bold are the same for all UAVs. All others, and the services, are relative: with
 `--ros-args -r __ns:=/uav2` they are `/uav2/uav/odometry` and so on.
 
-Frame `map`: x east, y north, about the datum (REP-103, REP-105); z of odometry is the altitude above
-mean sea level, with a variance of 1e6 where it is not known. NED and 1e7 degrees exist only inside
-the bridge.
+Frame `map`: x east, y north, about the datum (REP-103, REP-105); z of odometry is the altitude
+above mean sea level, with a variance of 1e6 where it is not known. NED and 1e7 degrees exist only
+inside the bridge.
 """
 
 
@@ -69,4 +70,5 @@ def interfaces_text() -> str:
             f"{takers or 'you'} | {wire.quality} |"
         )
     services = ", ".join(f"`{service}`" for service in SERVICES.values())
-    return "\n".join(lines) + "\n" + REST.replace("SERVICES", services)
+    said = textwrap.fill(f"Services (std_srvs/Trigger): {services}.", 100)
+    return "\n".join(lines) + "\n" + REST.replace("SERVICES", said)
