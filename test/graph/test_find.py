@@ -70,3 +70,34 @@ def test_a_find_is_marked_orbited_and_left(launch):
     last_minute = off[-300:]
     assert max(abs(radius - 300.0) for radius in last_minute) < 40.0
     assert min(apart) > 180.0
+
+
+def test_a_helicopter_that_comes_to_hover_is_circled_in_a_mission_of_its_own(launch):
+    """The scenario ``find``: its simulated operator marks, orbits, and resumes when it may."""
+    flight = launch("--scenario", "find", "--speed", "8")
+    code, output, errors = flight.wait(200.0)
+    assert (code, errors) == (0, "")
+    marks, mode, apart, hovered, last = [], "", [], [], {}
+    for topic, _, message in read_messages(flight.out / "bag"):
+        if topic == "/planner/marks" and message.poses:
+            marks = [pose.pose.position for pose in message.poses]
+        elif topic == "/planner/mode":
+            mode = message.data
+        elif topic in ("/sim/uav", "/sim/helicopter"):
+            last[topic] = message
+            if len(last) < 2:
+                continue
+            one, other = (message.pose.pose.position for message in last.values())
+            apart.append(math.hypot(one.x - other.x, one.y - other.y))
+            uav, helicopter = last["/sim/uav"], last["/sim/helicopter"]
+            there, leader = uav.pose.pose.position, helicopter.pose.pose.position
+            at_mark = marks and math.hypot(leader.x - marks[0].x, leader.y - marks[0].y) < 30.0
+            if mode == "orbit" and at_mark:
+                hovered.append(math.hypot(there.x - marks[0].x, there.y - marks[0].y))
+    assert len(marks) == 1
+    assert len(hovered) > 400  # at 5 Hz
+    on_circle = [abs(radius - 300.0) < 30.0 for radius in hovered[len(hovered) // 2 :]]
+    assert sum(on_circle) > 0.9 * len(on_circle)
+    assert min(apart) > 180.0
+    assert mode == "leg"
+    assert "0 escapes" in output

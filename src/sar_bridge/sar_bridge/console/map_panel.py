@@ -17,6 +17,7 @@ from sar_bridge.console.map_view import (
     degrees_text,
     left_out,
     picture,
+    place_touched,
 )
 from sar_bridge.console.snapshot import Snapshot
 from sar_bridge.console.tiles import Tiles
@@ -74,7 +75,10 @@ class MapPanel:
         datum: Datum | None = self._snapshot.datum
         if self._mark is None or datum is None:
             return
-        self._place = self._view.to_map(event.image_x, event.image_y)
+        place = place_touched(self._view, event.image_x, event.image_y)
+        if place is None:
+            return
+        self._place = place
         latitude, longitude, _ = datum.to_geodetic(*self._place)
         text = f"{degrees_text(latitude, 'NS')} {degrees_text(longitude, 'EW')}"
         self._place_text.set_text(text)

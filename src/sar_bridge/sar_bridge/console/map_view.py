@@ -67,6 +67,18 @@ class View:
         )
 
 
+def place_touched(view: View, x_px: object, y_px: object) -> tuple[float, float] | None:
+    """Return the place [m] at a place of the picture, as a browser tells it; None for none."""
+    places = []
+    for value, size_px in ((x_px, view.width_px), (y_px, view.height_px)):
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return None
+        if not 0.0 <= value <= size_px:
+            return None
+        places.append(float(value))
+    return view.to_map(*places)
+
+
 @dataclass(frozen=True, slots=True)
 class Search:
     """What each aircraft searches: ``swath_m`` wide, ``spacing_m`` apart.

@@ -17,7 +17,7 @@ from sar_estimator.common.component import Component
 from sar_estimator.common.conversions import stamped_s
 from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.pose import Pose
-from sar_estimator.common.reports import UavStatus, Uploaded, WaypointList
+from sar_estimator.common.reports import Target, UavStatus, Uploaded, WaypointList
 from sar_estimator.common.states import Motion
 from sar_estimator.common.wires import Quality
 from sar_estimator.estimation.component import EstimatorComponent
@@ -29,10 +29,10 @@ from sar_planner.parameters.mission import MissionParameters
 from sar_planner.strategies.active_corner import Mode
 from sar_sim.autopilot.presets import parameter_values
 from sar_sim.flight.bus import Bus
-from sar_sim.flight.finder import Finder
 from sar_sim.flight.upload import SimulatedBridge
 from sar_sim.scenario.scenario import Find, Scenario
-from sar_sim.world.detour import place
+from sar_sim.world.detour import found_beside, place
+from sar_sim.world.finder import Finder
 from sar_sim.world.truth import TruthComponent
 from sar_sim.world.wires import ALL_WIRES
 from sar_sim.world.world import World
@@ -126,7 +126,7 @@ class OfflineFlight:
             record=None if bag is None else self._record,
             listeners={topics.CLEARED: self._bridge.take, topics.SPEED: self._set_airspeed},
         )
-        self._finder = Finder(scenario.finds, dict(self._planner.services))
+        self._finder = Finder(scenario.finds)
         self._published_mode = ""
         self._corners = list(world.corners)
         self._steps = 0
@@ -202,7 +202,7 @@ class OfflineFlight:
         for reception in receptions:
             bus.receive(reception)
         if self.world.scenario.finds:
-            bus.publish_all(self._finder.due(self.world.time_s, bus.now_s, self._found_at))
+            self._find()
         if self._truth or receptions or self._steps % STEPS_PER_TICK == 0:
             self._tell_motions()
             self._decide()
@@ -212,12 +212,27 @@ class OfflineFlight:
         if self._steps % STEPS_PER_GUARD == 0:
             bus.tick(self._monitor)
 
+    def _find(self) -> None:
+        """Do what is due of the scenario's finds."""
+        due = self._finder.due(self.world.time_s)
+        if due is None:
+            return
+        what, find = due
+        if what == topics.TARGET:
+            mark = self._found_at(find)
+            self._bus.publish(what, Target(self._bus.now_s, mark.x_m, mark.y_m))
+            self._finder.granted()
+            return
+        answer = self._planner.services[what](self._bus.now_s)
+        self._bus.publish_all(answer.outputs)
+        if answer.success:
+            self._finder.granted()
+
     def _found_at(self, find: Find) -> Pose:
         """Return where a find is; beside a recorded helicopter by what was estimated of it."""
         helicopter = self.world.helicopter
         if helicopter is not None:
-            seen = helicopter.motion(find.time_s)
-            return place(find, seen, helicopter.heading_rad(find.time_s))
+            return found_beside(helicopter, find)
         estimated = self.planner.situation.helicopter or Motion(0.0, 0.0, 0.0, 0.0, 0.0)
         return place(find, estimated, estimated.course_rad)
 

@@ -34,9 +34,11 @@ from sar_estimator.common.node_support import (
     start_ros,
 )
 from sar_estimator.common.pose import Pose
+from sar_estimator.common.reports import Target
 from sar_sim.autopilot.link import AutopilotLink
 from sar_sim.autopilot.server import AutopilotServer
 from sar_sim.bags.tracks import load_track
+from sar_sim.nodes.find_caller_node import FindCaller
 from sar_sim.nodes.sim_parameters import SimParameters
 from sar_sim.scenario.scenario import Scenario, load_scenario
 from sar_sim.world.pacer import AutopilotPacer, Pacer, RealTimePacer
@@ -50,6 +52,7 @@ TOLD = (
     topics.TRUE_UAV,
     topics.TRUE_CORNER,
     topics.SCENARIO,
+    topics.TARGET,
 )
 STEPS_PER_TRUTH = 2
 SPIN_PERIOD_S = 0.02
@@ -90,6 +93,9 @@ class SimNode(Node):
         # A simulated UAV is engaged from here; a real one's operator does so himself.
         self._engaging = Persistent(
             self, topics.name_of(topics.ENGAGE), ENGAGE_PERIOD_S / self._speed
+        )
+        self._finds = FindCaller(
+            self, scenario.finds, self._world.helicopter, self._mark, ENGAGE_PERIOD_S / self._speed
         )
         self._steps = 0
         self._executor = SingleThreadedExecutor()
@@ -135,6 +141,7 @@ class SimNode(Node):
                 self._executor.spin_once(timeout_sec=0.0)
                 if self._link is not None:
                     self._engaging.ask()
+                self._finds.ask(self._world.time_s)
 
     def _on_uav_clock(self, message: Clock) -> None:
         """Go on by the autopilot's clock."""
@@ -203,6 +210,9 @@ class SimNode(Node):
         stamp = now_s(self) if self._live else self._world.true_s
         for topic, truth in self._world.truth(stamp, uav=simulated):
             self._tell(topic, truth)
+
+    def _mark(self, x_m: float, y_m: float) -> None:
+        self._tell(topics.TARGET, Target(self._ros_time(), x_m, y_m))
 
     def _tell(self, topic: str, value: Any) -> None:
         self._senders[topic].publish(ALL_WIRES[topic].to_message(value, self._ros_time()))

@@ -35,6 +35,11 @@ def place(find: Find, helicopter: Motion, heading_rad: float) -> Pose:
     return here.offset(find.ahead_m, find.left_m)
 
 
+def found_beside(helicopter: Helicopter, find: Find) -> Pose:
+    """Return where a find is beside a simulated helicopter."""
+    return place(find, helicopter.motion(find.time_s), helicopter.heading_rad(find.time_s))
+
+
 class _Hand:
     """The pilot's hand: every step a course and a speed are wanted, and flown within limits."""
 
@@ -108,7 +113,7 @@ class Detour:
         self.start = pattern.start
         begin = pattern.motion(find.time_s)
         heading = pattern.heading_rad(find.time_s)
-        mark = place(find, begin, heading)
+        mark = found_beside(pattern, find)
         hand = _Hand(begin, heading, speed_mps, accel_mps2)
         stays = find.helicopter == "stays"
         self._returns = not stays

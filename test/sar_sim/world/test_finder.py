@@ -4,47 +4,28 @@ import math
 from dataclasses import replace
 
 from sar_estimator.common import topics
-from sar_estimator.common.component import Answer
-from sar_estimator.common.states import Motion
 from sar_planner.strategies.active_corner import Mode
-from sar_sim.flight.finder import Finder
 from sar_sim.flight.offline import OfflineFlight
 from sar_sim.scenario.options import find_scenario
 from sar_sim.scenario.scenario import Find, load_scenario
-from sar_sim.world.detour import place
-
-HELICOPTER = Motion(0.0, 100.0, 50.0, 0.0, 20.0)
-
-
-def found(find):
-    return place(find, HELICOPTER, math.pi / 2.0)
+from sar_sim.world.finder import Finder
 
 
 def test_it_marks_orbits_and_resumes_each_until_it_is_granted():
-    asked = []
-
-    def answer(name):
-        def serve(now_s):
-            asked.append((name, now_s))
-            return Answer(len(asked) != 1, "", [(name, now_s)])
-
-        return serve
-
-    services = {name: answer(name) for name in (topics.ORBIT, topics.RESUME)}
     find = Find(time_s=10.0, orbit_s=20.0, ahead_m=300.0, left_m=-40.0)
-    finder = Finder([find], services)
-    assert finder.due(9.9, 1009.9, found) == []
-    ((topic, target),) = finder.due(10.0, 1010.0, found)
-    assert topic == topics.TARGET
-    assert (round(target.x_m), round(target.y_m)) == (140, 350)
-    assert finder.due(10.5, 1010.5, found) == []  # once a second
+    finder = Finder([find])
+    assert finder.due(9.9) is None
+    assert finder.due(10.0) == (topics.TARGET, find)
+    finder.granted()
+    assert finder.due(10.5) is None  # once a second
+    asked = []
     for time_s in (11.0, 12.0, 13.0, 29.0, 31.0, 40.0):
-        finder.due(time_s, 1000.0 + time_s, found)
-    assert asked == [
-        (topics.ORBIT, 1011.0),
-        (topics.ORBIT, 1012.0),
-        (topics.RESUME, 1031.0),
-    ]
+        due = finder.due(time_s)
+        if due is not None:
+            asked.append((due[0], time_s))
+            if len(asked) != 1:  # refused once
+                finder.granted()
+    assert asked == [(topics.ORBIT, 11.0), (topics.ORBIT, 12.0), (topics.RESUME, 31.0)]
 
 
 def test_a_find_in_a_mission_is_orbited_and_left_again():
