@@ -227,3 +227,31 @@ def test_a_helicopter_never_seen_has_done_nothing_unseen():
     helicopter = Helicopter(HABITS)
     helicopter.set_motion(Motion(0.0, 0.0, 0.0, 20.0, 0.0))
     assert len(helicopter.futures(20.0, TIMES)) == 4
+
+
+def hovering(seconds, **last):
+    """Return one that has stood for so long, with its newest motion changed."""
+    helicopter = Helicopter(HABITS)
+    for second in range(round(seconds) + 1):
+        helicopter.set_motion(Motion(float(second), 5.0, 0.0, 0.2, 0.1), 2.0, 0.2)
+        helicopter.set_phase(Phase.STOPPED)
+    if last:
+        motion = Motion(float(second) + 1.0, 5.0, 0.0, 0.2, 0.1)._replace(**last)
+        helicopter.set_motion(motion, 2.0, 0.2)
+    return {one.name: one for one in helicopter.futures(helicopter.motion.time_s, TIMES)}
+
+
+def test_one_that_hovers_is_expected_to_stand_and_may_leave_from_where_it_is():
+    in_a_corner, hovers = hovering(5.0), hovering(12.0)
+    assert in_a_corner["leaves inside"].likely
+    assert not hovers["leaves inside"].likely
+    assert hovers["stands"].likely
+    assert hovers["leaves inside"].positions[0] == pytest.approx((5.0, 0.0), abs=0.1)
+    assert {"leaves inside", "leaves outside", "leaves straight on"} <= hovers.keys()
+
+
+def test_one_that_hovered_and_is_seen_to_leave_goes_where_it_goes():
+    leaving = hovering(12.0, vx_mps=0.0, vy_mps=6.0)
+    assert leaving["leaves"].likely
+    assert leaving["leaves"].positions[-1] == pytest.approx((5.0, 731.0), abs=40.0)
+    assert "stops again" in leaving

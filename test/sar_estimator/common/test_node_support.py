@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from itertools import pairwise
+from types import SimpleNamespace
 
 import pytest
 
@@ -75,3 +76,42 @@ def test_a_clock_set_back_is_reported_at_once():
     assert node_support.is_report_due(100.1, 160.5)
     assert node_support.is_report_due(3700.1, 160.5)
     assert not node_support.is_report_due(160.9, 160.5)
+
+
+class FakeClient:
+    """A service that answers when a test says so."""
+
+    def __init__(self):
+        self.asked = []
+
+    def service_is_ready(self):
+        return True
+
+    def call_async(self, _request):
+        self.asked.append(FakeFuture())
+        return self.asked[-1]
+
+
+class FakeFuture:
+    answer = None
+
+    def done(self):
+        return self.answer is not None
+
+    def result(self):
+        return self.answer
+
+
+@pytest.mark.parametrize(("unanswered_s", "times"), [(None, 3), (60.0, 1)])
+def test_what_is_slow_to_be_answered_is_not_asked_again_too_soon(monkeypatch, unanswered_s, times):
+    client, clock = FakeClient(), [100.0]
+    monkeypatch.setattr(node_support.time, "monotonic", lambda: clock[0])
+    node = SimpleNamespace(create_client=lambda *_: client)
+    asking = node_support.Persistent(node, "/planner/resume", 0.5, unanswered_s)
+    for _ in range(3):
+        assert asking.ask() == ""
+        clock[0] += 0.6
+    assert len(client.asked) == times
+    client.asked[-1].answer = SimpleNamespace(success=True, message="back to the formation")
+    assert asking.ask() == "back to the formation"
+    assert asking.done

@@ -467,3 +467,29 @@ def test_a_corner_that_is_rolled_is_told_as_the_stop_that_costs_as_much(doppler)
     assert passed == pytest.approx(60.0 + 91.2 / V, abs=1.0)
     assert last.stopping_distance_m == pytest.approx(25.5, abs=25.0)
     assert estimator.leg.foot.heading_rad == pytest.approx(-math.pi / 2.0, abs=0.05)
+
+
+@pytest.mark.parametrize("turn_deg", [25.0, 40.0, 60.0])
+@pytest.mark.parametrize("doppler", [0.0, 0.1])
+def test_a_course_that_is_changed_by_less_than_a_corner_is_a_new_leg(turn_deg, doppler):
+    """It was taken for a corner that is being turned for ever, its stop farther and farther off."""
+    rng, estimator = np.random.default_rng(9), HelicopterEstimator(EstimatorParameters(), DATUM)
+    x = y = course = 0.0
+    seen = []
+    for i in range(120):
+        if i >= 60:
+            course = min(course + math.radians(5.0), math.radians(turn_deg))
+        x, y = x + V * math.cos(course), y + V * math.sin(course)
+        noise = 2.0 * rng.standard_normal(2)
+        if doppler:
+            velocity = V * np.array((math.cos(course), math.sin(course)))
+            estimator.add_velocity(
+                float(i), *(velocity + doppler * rng.standard_normal(2)), doppler
+            )
+        estimator.add_fix(fix_at(float(i), x + noise[0], y + noise[1], 2.0))
+        seen.append(estimator.phase(float(i)))
+    assert seen[59] is Phase.CRUISE
+    # Turned by 72 s at the latest; within half a minute it is a leg again, and stays one.
+    assert set(seen[102:]) == {Phase.CRUISE}
+    assert estimator.leg.foot.heading_rad == pytest.approx(math.radians(turn_deg), abs=0.05)
+    assert estimator.corner is None

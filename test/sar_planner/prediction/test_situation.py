@@ -9,7 +9,7 @@ import pytest
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.parameters.corner import CornerParameters
-from sar_planner.prediction.situation import Situation
+from sar_planner.prediction.situation import HOVER_MPS, HOVERS_S, Situation
 
 
 def estimate(**changes):
@@ -223,3 +223,16 @@ def test_the_same_estimate_told_again_is_the_same_corner():
     # Refined, its onset may come to lie behind the stop that was told first: still the same.
     assert not known.set_corner(estimate(time_s=107.5, stop_time_s=110.5, accel_mps2=20.0))
     assert known.corners_seen == 1
+
+
+def test_who_stands_for_longer_than_in_a_corner_hovers_until_it_is_seen_to_leave():
+    situation = Situation(CornerParameters(), 1)
+    for second in range(14):
+        situation.set_helicopter(Motion(float(second), 0.0, 0.0, 0.3, 0.0))
+        situation.set_phase(Phase.STOPPED)
+        assert situation.hovers is (second > HOVERS_S)
+    situation.set_helicopter(Motion(14.0, 3.0, 0.0, HOVER_MPS + 1.0, 0.0))
+    assert situation.has_hovered
+    assert not situation.hovers
+    situation.set_phase(Phase.ACCELERATING)
+    assert not situation.has_hovered

@@ -172,13 +172,17 @@ def run_node(name: str, make: Callable[[], Node]) -> int:
 class Persistent:
     """Asks a service until it has granted what is asked once; then never again.
 
-    A request that is never answered is made anew after ``again_s`` [s], as is one that is refused.
+    One that is refused is asked anew after ``again_s`` [s]; one that is never answered after
+    ``unanswered_s``, which is as long where it is not given.
     """
 
-    def __init__(self, node: Node, service: str, again_s: float) -> None:
+    def __init__(
+        self, node: Node, service: str, again_s: float, unanswered_s: float | None = None
+    ) -> None:
         """Nothing is asked yet."""
         self._client = node.create_client(Trigger, service)
         self._again_s = again_s
+        self._unanswered_s = again_s if unanswered_s is None else unanswered_s
         self._asked: Future | None = None
         self._asked_s = -math.inf
         self._refused = ""
@@ -201,7 +205,8 @@ class Persistent:
             if self.done or answer.message != self._refused:
                 told = self._refused = answer.message
         now = time.monotonic()
-        if not self.done and now - self._asked_s > self._again_s and self.heard:
+        waits_s = self._again_s if self._asked is None else self._unanswered_s
+        if not self.done and now - self._asked_s > waits_s and self.heard:
             self._asked_s = now
             self._asked = self._client.call_async(Trigger.Request())
         return told

@@ -13,6 +13,9 @@ from sar_sim.world.detour import found_beside
 from sar_sim.world.finder import Finder
 from sar_sim.world.helicopter import Helicopter
 
+UNANSWERED_S = 5.0
+"""What is granted must not be asked again: a second resume is refused."""
+
 
 class FindCaller:
     """Does what a scenario's finds ask for, each again until it is granted."""
@@ -47,7 +50,7 @@ class FindCaller:
             self._finder.granted()
             return
         if self._asking is None:
-            self._asking = Persistent(self._node, topics.name_of(what), self._again_s)
+            self._asking = Persistent(self._node, topics.name_of(what), self._again_s, UNANSWERED_S)
         told = self._asking.ask()
         if told:
             self._node.get_logger().info(f"{what}: {told}")
