@@ -5,23 +5,38 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sar_estimator.common.pose import wrap_angle
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.prediction.separation import corner_forecast
+from sar_sim.scenario.presets import PILOTS
 from sar_sim.scenario.scenario import Pattern, Pilot
-from sar_sim.world.helicopter import PatternHelicopter, leg_lengths_m
+from sar_sim.world.helicopter import PatternHelicopter, flown_legs
+from sar_sim.world.human_helicopter import flown_by
 
 V, A = 20.0, 2.5
 
 
-def test_legs_of_an_expanding_square():
-    assert leg_lengths_m(Pattern(corners=5, last_leg_m=700.0)) == [
-        2000,
-        2000,
-        2500,
-        2500,
-        3000,
-        700,
-    ]
+@pytest.mark.parametrize(
+    ("kind", "corners"),
+    [("sector", 6), ("parallel_track", 5), ("creeping_line", 4), ("track_line_return", 2)],
+)
+def test_every_pattern_is_flown_by_robot_and_human(kind, corners):
+    pattern = Pattern(kind=kind, corners=corners, first_leg_m=3000.0, turn_side=-1)
+    for pilot in (Pilot(), Pilot(**PILOTS["human"])):
+        helicopter = flown_by(pilot, pattern, V, A)
+        assert len(helicopter.corners) == corners
+        turned = [
+            wrap_angle(helicopter.heading_rad(corner.stop_time_s + 20.0) - corner.stop.heading_rad)
+            for corner in helicopter.corners
+        ]
+        wanted = [leg.turn_rad for leg in flown_legs(pattern)[:-1]]
+        assert turned == pytest.approx(wanted, abs=0.2)
+
+
+def test_a_track_line_has_no_corner():
+    helicopter = PatternHelicopter(Pattern(kind="track_line", corners=0), Pilot(), V, A)
+    assert helicopter.corners == []
+    assert helicopter.end_s == pytest.approx(2000.0 / V)
 
 
 @pytest.mark.parametrize("side", [1, -1])

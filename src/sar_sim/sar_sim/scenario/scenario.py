@@ -13,7 +13,6 @@ from pydantic.dataclasses import dataclass
 
 from sar_estimator.common.checked import (
     CHECKED,
-    Count,
     NotNegative,
     Positive,
     Share,
@@ -24,6 +23,7 @@ from sar_estimator.common.checked import (
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import blown_mps
 from sar_planner.parameters.corner import CornerParameters
+from sar_planner.patterns.legs import PatternKind
 from sar_sim.scenario.presets import AUTOPILOTS, HUMAN, PILOTS, RECEIVERS
 
 # The nodes that lead the UAV: they can fail, and are started again.
@@ -66,19 +66,25 @@ class Sensor:
 
 @dataclass(frozen=True, slots=True, config=CHECKED)
 class Pattern:
-    """The expanding square: heading is a compass heading [deg]; ``turn_side`` 1 right, -1 left.
+    """The search pattern, begun at ``start_east_m``, ``start_north_m`` from the datum.
 
-    ``track_spacing_m``: between the helicopter's neighbouring parallel tracks.
+    ``kind``: expanding_square, sector, parallel_track, creeping_line, track_line or
+    track_line_return. ``heading_deg``: compass heading of the first leg; ``turn_side``: to which
+    side it ends, 1 right, -1 left. ``first_leg_m``: its length; the radius of a sector search, the
+    length of every search leg of the others. ``last_leg_m``: of an expanding square.
+    ``track_spacing_m``: between the helicopter's neighbouring parallel tracks. ``corners``: how
+    many; none in a track line, two in one that is flown back.
     """
 
     first_leg_m: Positive = 2000.0
     last_leg_m: Positive = 1500.0
-    corners: Count = 8
+    corners: Annotated[int, Field(ge=0)] = 8
     heading_deg: float = 0.0
     turn_side: Side = 1
     track_spacing_m: Positive = 500.0
     start_east_m: float = 0.0
     start_north_m: float = 0.0
+    kind: PatternKind = "expanding_square"
 
 
 @dataclass(frozen=True, slots=True, config=CHECKED)
@@ -303,6 +309,11 @@ class Scenario:
     def __post_init__(self) -> None:
         """Check what goes together."""
         pilot, uav = self.pilot, self.uav
+        wanted = {"track_line": 0, "track_line_return": 2}.get(self.pattern.kind)
+        corners = self.pattern.corners
+        expected = "1 or more" if wanted is None else f"{wanted} in a {self.pattern.kind}"
+        ok = corners >= 1 if wanted is None else corners == wanted
+        _expect("pattern.corners", corners, expected, ok)
         _expect(
             "pilot.roll_mps",
             pilot.roll_mps,

@@ -1,4 +1,4 @@
-"""A helicopter that flies an expanding square by the paper's motion model (section II).
+"""A helicopter that flies a search pattern by the paper's motion model (section II).
 
 Legs at constant speed; at a corner a constant deceleration to a stand, a turn on the spot, and a
 constant acceleration. Exact at any time: every stretch is a parabola in time.
@@ -15,6 +15,7 @@ import numpy as np
 
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import Motion
+from sar_planner.patterns.legs import Leg, legs_of
 from sar_sim.scenario.scenario import Pattern, Pilot
 
 BROKEN_OFF_FACTOR = 1.6
@@ -66,12 +67,21 @@ class _Stretch:
         )
 
 
-def leg_lengths_m(pattern: Pattern) -> list[float]:
-    """Return the lengths [m]: first, first, + spacing, + spacing, + 2 spacing, ...; last cut."""
-    legs = [
-        pattern.first_leg_m + (i // 2) * pattern.track_spacing_m for i in range(pattern.corners)
-    ]
-    return [*legs, pattern.last_leg_m]
+def flown_legs(pattern: Pattern) -> list[Leg]:
+    """Return a scenario's legs, the last one cut where it is an expanding square."""
+    return legs_of(
+        pattern.kind,
+        leg_m=pattern.first_leg_m,
+        spacing_m=pattern.track_spacing_m,
+        corners=pattern.corners,
+        side=pattern.turn_side,
+        last_m=pattern.last_leg_m if pattern.kind == "expanding_square" else None,
+    )
+
+
+def turned_rad(nominal_rad: float, more_deg: float) -> float:
+    """Return a turn to the same side as another, by so much more."""
+    return math.copysign(math.radians(abs(math.degrees(nominal_rad)) + more_deg), nominal_rad)
 
 
 class Helicopter(Protocol):
@@ -121,17 +131,17 @@ class PatternHelicopter:
         self.start = self._end
         self.end_s = 0.0
         entry_accel = accel_mps2
-        lengths = leg_lengths_m(pattern)
-        for i, length in enumerate(lengths):
+        legs = flown_legs(pattern)
+        for i, (length, nominal) in enumerate(legs):
             k = i + 1
             odd = pilot.anomaly if k == pilot.anomaly_corner else ""
             speed = speed_mps + pilot.speed_sigma_mps * rng.standard_normal()
             accel = accel_mps2 * math.exp(pilot.accel_spread * rng.standard_normal())
             shift = pilot.corner_sigma_m * rng.standard_normal()
             end_speed = speed + pilot.speed_drift_mps * rng.uniform(-1.0, 1.0)
-            turn = math.radians(90.0 + pilot.turn_spread_deg * rng.uniform(-1.0, 1.0))
+            turn = turned_rad(nominal, pilot.turn_spread_deg * rng.uniform(-1.0, 1.0))
             hover = pilot.hover_s + pilot.hover_spread_s * rng.uniform()
-            last = i == len(lengths) - 1
+            last = i == len(legs) - 1
             speeding = 0.0 if i == 0 else speed**2 / (2.0 * entry_accel)
             slowing = 0.0 if last else end_speed**2 / (2.0 * accel)
             cruise = length + (0.0 if last else shift) - speeding - slowing
@@ -156,13 +166,16 @@ class PatternHelicopter:
                 CornerTruth(k, onset_s, onset, self.end_s, stop, end_speed, accel, crossing)
             )
             self._add(0.0, 0.0, hover)
-            side = -pattern.turn_side if odd == "other_way" else pattern.turn_side
+            if odd == "other_way":
+                turn = -turn
             if odd == "break_off":
-                self._end = Pose(stop.x_m, stop.y_m, stop.heading_rad - BROKEN_OFF_RAD * side)
+                self._end = Pose(
+                    stop.x_m, stop.y_m, stop.heading_rad + math.copysign(BROKEN_OFF_RAD, turn)
+                )
                 self._add(0.0, accel, BROKEN_OFF_FACTOR * speed / accel)
                 self._add(BROKEN_OFF_FACTOR * speed, 0.0, BROKEN_OFF_S)
                 break
-            self._end = Pose(stop.x_m, stop.y_m, stop.heading_rad - side * turn)
+            self._end = Pose(stop.x_m, stop.y_m, stop.heading_rad + turn)
             entry_accel = accel
         self._starts = [stretch.start_s for stretch in self._stretches]
 

@@ -17,6 +17,7 @@ from sar_estimator.common.compiled import compiled
 from sar_estimator.common.constants import G_MPS2
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import FloatArray, Motion
+from sar_planner.patterns.legs import RIGHT_ANGLE_RAD, Leg
 from sar_sim.scenario.scenario import Pattern, Pilot
 from sar_sim.world.helicopter import (
     BROKEN_OFF_FACTOR,
@@ -25,7 +26,8 @@ from sar_sim.world.helicopter import (
     CornerTruth,
     Helicopter,
     PatternHelicopter,
-    leg_lengths_m,
+    flown_legs,
+    turned_rad,
 )
 from sar_sim.world.sampled_motion import STEP_S, SampledMotion
 
@@ -195,20 +197,19 @@ class HumanHelicopter:
         """Fly it; everything is drawn from the pilot's seed."""
         self._pilot, self._speed, self._accel = pilot, speed_mps, accel_mps2
         self._rng = np.random.default_rng([pilot.seed, 3])
-        self._side = pattern.turn_side
         self._parts: list[_Series] = []
         self._courses: list[float] = []
         self._count = 0
         self.start = Pose(
             pattern.start_east_m, pattern.start_north_m, math.radians(90.0 - pattern.heading_deg)
         )
-        marks = self._fly(leg_lengths_m(pattern))
+        marks = self._fly(flown_legs(pattern))
         self._lay(marks)
 
     # The reference -----------------------------------------------------------------------------
 
-    def _draw(self, *, odd: str) -> _Corner:
-        """Return how the next corner is flown."""
+    def _draw(self, nominal_rad: float, *, odd: str) -> _Corner:
+        """Return how the next corner is flown, which turns by ``nominal_rad`` in the pattern."""
         pilot, rng = self._pilot, self._rng
         kinds, spread, through = rng.uniform(size=3), rng.standard_normal(2), rng.uniform(-1.0, 1.0)
         accels = self._accel * np.exp(pilot.accel_spread * spread)
@@ -219,11 +220,11 @@ class HumanHelicopter:
             speed = pilot.roll_mps + pilot.roll_spread_mps * through
         elif kinds[1] < pilot.pass_share:
             speed = pilot.pass_mps
-        angle = 90.0 + pilot.turn_spread_deg * rng.uniform(-1.0, 1.0)
-        side = -self._side if odd == "other_way" else self._side
-        turn = -side * math.radians(angle)
+        turn = turned_rad(nominal_rad, pilot.turn_spread_deg * rng.uniform(-1.0, 1.0))
+        if odd == "other_way":
+            turn = -turn
         if odd == "break_off":
-            turn = -self._side * BROKEN_OFF_RAD
+            turn = math.copysign(BROKEN_OFF_RAD, nominal_rad)
         hover = pilot.hover_s + pilot.hover_spread_s * rng.uniform()
         kept = math.exp(-STEP_S / WOBBLE_S)
         drawn = rng.standard_normal(300)
@@ -241,13 +242,13 @@ class HumanHelicopter:
             wobble,
         )
 
-    def _fly(self, lengths_m: list[float]) -> list[tuple[int, int, float]]:
+    def _fly(self, legs: list[Leg]) -> list[tuple[int, int, float]]:
         """Fly every leg; return each corner's steps of onset and end, and the speed before it."""
         pilot, rng = self._pilot, self._rng
         marks = []
         left_out, speed, error = 0.0, self._speed, 0.0
-        for i, length in enumerate(lengths_m):
-            k, last = i + 1, i == len(lengths_m) - 1
+        for i, (length, nominal) in enumerate(legs):
+            k, last = i + 1, i == len(legs) - 1
             odd = pilot.anomaly if k == pilot.anomaly_corner else ""
             if i == 0:
                 speed = self._speed + pilot.speed_sigma_mps * float(rng.standard_normal())
@@ -255,7 +256,8 @@ class HumanHelicopter:
             shift = pilot.corner_sigma_m * float(rng.standard_normal())
             next_error = math.radians(pilot.heading_sigma_deg * float(rng.standard_normal()))
             next_speed = self._speed + pilot.speed_sigma_mps * float(rng.standard_normal())
-            corner = self._draw(odd=odd)
+            # After the last leg there is none, but it is drawn all the same.
+            corner = self._draw(nominal or RIGHT_ANGLE_RAD, odd=odd)
             if odd == "break_off":
                 next_speed = BROKEN_OFF_FACTOR * self._speed
             slow, out, spent, begun = self._corner(corner, end_speed, next_speed, next_error, error)
