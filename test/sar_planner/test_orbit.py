@@ -1,6 +1,7 @@
 """The circle about a mark, whatever the helicopter does meanwhile."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -187,4 +188,24 @@ def test_there_is_nothing_to_resume_to_while_the_helicopter_hovers(bench):
     assert bench.plan.mode is Mode.ORBIT
     leaving = Motion(0.0, -400.0, -800.0, 20.0, 0.0)
     bench.fly(5.0, helicopter=lambda now_s: leaving._replace(time_s=now_s))
+    assert "not straight on" in bench.plan.resume()  # not yet for long
+    bench.fly(10.0, helicopter=lambda now_s: leaving._replace(time_s=now_s))
     assert bench.plan.resume() == ""
+
+
+def test_there_is_nothing_to_resume_to_while_it_circles_or_is_slow(bench):
+    bench.plan.find.mark(bench.now, (-500.0, -800.0))
+    bench.plan.orbit(bench.now)
+    bench.fly(60.0)
+
+    def circling(now_s):
+        course = 0.1 * now_s
+        return Motion(now_s, 0.0, 0.0, 18.0 * math.cos(course), 18.0 * math.sin(course))
+
+    bench.fly(20.0, helicopter=circling)
+    assert "not straight on" in bench.plan.resume()
+    slow = Motion(0.0, 0.0, 0.0, 20.0, 0.0)
+    bench.fly(20.0, helicopter=lambda now_s: slow._replace(time_s=now_s))
+    leg = bench.plan.situation.leg
+    bench.plan.situation.set_leg(replace(leg, speed_mps=11.0))
+    assert bench.plan.resume() == "helicopter's speed 11.0 m/s: expected 15.0 to 25.0"

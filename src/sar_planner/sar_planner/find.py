@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from sar_estimator.common.reports import Mark
-from sar_estimator.common.states import Phase
 from sar_planner.orbit import Orbit
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.prediction.situation import Situation
@@ -75,7 +74,8 @@ class Finding:
         """End the orbit; return why not, empty when ended."""
         if self.orbit.state is None:
             return "no mark is orbited"
-        if self._s.leg is None or self._s.phase is not Phase.CRUISE:
-            return f"the helicopter is {self._s.phase}: there is no leg to fly beside yet"
+        reason = self.orbit.stays_for
+        if reason:
+            return reason
         self.orbit.end()
         return ""

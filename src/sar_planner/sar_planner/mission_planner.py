@@ -58,7 +58,7 @@ class MissionPlanner:
         check_planner(mission.rules, corner)
         self.corner_parameters = corner
         self.parameters = mission
-        self.situation = Situation(corner, mission.turn_side)
+        self.situation = Situation(corner, mission.turn_side, mission.pattern)
         self._strategy = STRATEGIES[mission.rules](self.situation, corner, mission)
         self.find = Finding(
             self.situation,

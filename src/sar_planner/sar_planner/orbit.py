@@ -17,7 +17,7 @@ import numpy as np
 
 from sar_estimator.common.pose import Pose, wrap_angle
 from sar_estimator.common.reports import Mark
-from sar_estimator.common.states import Motion
+from sar_estimator.common.states import Motion, Phase
 from sar_planner.guidance.turn_radius import TurnRadius
 from sar_planner.guidance.waypoint_lists import Listed, PathListing, WaypointLists
 from sar_planner.parameters.corner import CornerParameters
@@ -124,6 +124,18 @@ class Orbit:
         """Find a way anew: the one that was told of is not flown."""
         if self.state is not None:
             self.state = replace(self.state, tried_s=-math.inf, is_stale=True)
+
+    @property
+    def stays_for(self) -> str:
+        """Why there is no leg to fly beside, empty where there is one."""
+        leg, low_high = self._s.leg, self._mission.speed_range
+        if leg is None or self._s.phase is not Phase.CRUISE or not self._free.flies_straight:
+            what = "not straight on" if self._s.phase is Phase.CRUISE else str(self._s.phase)
+            return f"the helicopter is {what}: there is no leg to fly beside yet"
+        low, high = (share * self._corner.speed_mps for share in low_high)
+        if not low <= leg.speed_mps <= high:
+            return f"helicopter's speed {leg.speed_mps:.1f} m/s: expected {low:.1f} to {high:.1f}"
+        return ""
 
     @property
     def report(self) -> StrategyReport:

@@ -19,7 +19,7 @@ MOVING = Motion(104.0, 60.0, 0.0, 10.0, 0.0)
 def predictor(**changes):
     values = {
         "corner": CornerParameters(),
-        "turn_side": 1,
+        "turn_rad": -0.5 * math.pi,
         "helicopter": MOVING,
         "phase": Phase.CRUISE,
         "leg": LEG,
@@ -47,7 +47,7 @@ def test_whatever_is_known_forecasts_are_positions_or_none(
         estimate=estimate,
         is_predicted=predicted,
         went_on=went_on,
-        turn_side=side,
+        turn_rad=-0.5 * math.pi * side,
         helicopter=Motion(104.0, 60.0, 0.0, vx, 0.0),
     )
     found = known.forecasts(104.5)
@@ -63,7 +63,9 @@ def test_whatever_is_known_forecasts_are_positions_or_none(
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_corner_is_left_to_the_patterns_side_and_mirrored(side):
-    (forecast,) = predictor(phase=Phase.DECELERATING, turn_side=side).forecasts(104.0)
+    (forecast,) = predictor(phase=Phase.DECELERATING, turn_rad=-0.5 * math.pi * side).forecasts(
+        104.0
+    )
     x, y = forecast.positions([150.0])[0]
     assert x == pytest.approx(80.0, abs=1.0)
     assert math.copysign(1.0, y) == -side

@@ -1,6 +1,7 @@
 """Whole missions flown offline: the paper's sequence, repeatability, results folders."""
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +15,8 @@ from sar_sim.flight.fly_cli import main as fly
 from sar_sim.flight.offline import OfflineFlight
 from sar_sim.report.report import write_report
 from sar_sim.report.report_cli import main as report
-from sar_sim.scenario.scenario import Gps, Pattern, Pilot, Scenario, Uav
+from sar_sim.scenario.options import find_scenario
+from sar_sim.scenario.scenario import Gps, Pattern, Pilot, Scenario, Uav, load_scenario
 
 PAPER = [800.0, 97.0796, 75.2802, 53.4808, 31.6815, 15.8407, 7.9204, 3.9602]
 SHORT = replace(
@@ -202,3 +204,22 @@ def test_extra_path_is_measured(flown):
 def test_high_up_the_uav_keeps_its_slot_as_at_sea_level():
     high = replace(SHORT, uav=replace(SHORT.uav, airspeed_ratio=1.12))
     assert lags(OfflineFlight(high)) == pytest.approx(lags(OfflineFlight(SHORT)), abs=0.05)
+
+
+@pytest.mark.parametrize("name", ["parallel", "sector"])
+def test_another_pattern_is_flown_beside_a_human(name):
+    """From the third corner on in its place; the UAV changes sides behind the helicopter."""
+    flight = OfflineFlight(load_scenario(find_scenario(name)))
+    apart, lags = [], {}
+
+    def observe(world):
+        helicopter, uav = world.helicopter.motion(world.time_s), world.autopilot.motion
+        apart.append(math.hypot(helicopter.x_m - uav.x_m, helicopter.y_m - uav.y_m))
+        if flight.planner.active is not None:
+            lags.setdefault(flight.planner.active.k, flight.planner.lag_m())
+
+    flight.run(observe=observe)
+    assert len(lags) == 6
+    assert max(abs(lag) for k, lag in lags.items() if k > 2) < 130.0
+    assert min(apart) > 190.0
+    assert flight.monitor.counts["escape"] == 0

@@ -15,13 +15,16 @@ from sar_estimator.common.checked import (
     Share,
     Side,
 )
+from sar_planner.patterns.legs import PatternKind
 
 
 @dataclass(frozen=True, slots=True, config=CHECKED)
 class MissionParameters:
     """How the planner flies (metres and seconds).
 
-    turn_side: 1 for right-turn patterns, -1 for left.
+    pattern: expanding_square, sector, parallel_track, creeping_line, track_line or
+        track_line_return: what is expected of the helicopter, leg by leg.
+    turn_side: to which side its first leg ends, 1 right, -1 left.
     rules: deadbeat, paper, or follow.
     arc_spacing_m: between waypoints on arcs; 0 for arc ends only.
     guide_spacing_m: between waypoints where the guide of an L1-guided autopilot bends.
@@ -100,6 +103,7 @@ class MissionParameters:
     farthest_m: Positive = 20_000.0
     orbit_radius_m: Positive = 300.0
     same_mark_m: NotNegative = 100.0
+    pattern: PatternKind = "expanding_square"
 
     def __post_init__(self) -> None:
         """Refuse values that do not go together, naming them."""

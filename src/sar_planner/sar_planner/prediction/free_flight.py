@@ -19,6 +19,7 @@ STANDING_MPS = 5.0
 HEADS_RAD = math.radians(40.0)
 WATCHED_S, LEAST_WATCHED_S = 15.0, 5.0
 CIRCLES_RAD = math.radians(45.0)
+STRAIGHT_S, STRAIGHT_RAD = 10.0, math.radians(20.0)
 LEAVES_CIRCLE_S = 12.0
 ARC_S, ARC_STEP_S = 300.0, 2.0
 APART_STEP_S = 0.5
@@ -73,6 +74,15 @@ class FreeFlight:
         if last_s - first_s < LEAST_WATCHED_S or abs(turned) < CIRCLES_RAD:
             return 0.0
         return turned / (last_s - first_s)
+
+    @property
+    def flies_straight(self) -> bool:
+        """Whether its course has not changed for as long as it is watched, and that is long."""
+        if not self._seen:
+            return False
+        courses = [course for _, course in self._seen]
+        watched_s = self._seen[-1][0] - self._seen[0][0]
+        return watched_s > STRAIGHT_S and max(courses) - min(courses) < STRAIGHT_RAD
 
     @property
     def keeps_its_place(self) -> bool:

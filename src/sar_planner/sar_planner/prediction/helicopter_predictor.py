@@ -34,13 +34,13 @@ def _weighed(value: float, sigma: float, expected: float, expected_sigma: float)
 class HelicopterPredictor:
     """Predicts the helicopter as it is known at one time.
 
-    ``corner``: the parameters of a corner, ``turn_side``: the pattern's. ``estimate``: the corner
-    told of last; ``is_predicted``: it belongs to the present slow-down; ``went_on``: the helicopter
-    had slowed and sped up again without having stopped.
+    ``corner``: the parameters of a corner, ``turn_rad``: the turn expected at it, left positive.
+    ``estimate``: the corner told of last; ``is_predicted``: it belongs to the present slow-down;
+    ``went_on``: the helicopter had slowed and sped up again without having stopped.
     """
 
     corner: CornerParameters
-    turn_side: int
+    turn_rad: float
     helicopter: Motion
     phase: Phase
     leg: LegEstimate | None
@@ -92,7 +92,7 @@ class HelicopterPredictor:
         speed = _weighed(leg.speed_mps, leg.speed_sigma_mps, expected, EXPECTED_SPEED_SIGMA_MPS)
         if estimate is None or self.went_on or leg.time_s < estimate.stop_time_s:
             return leg.foot, speed
-        heading = self._right_angle(estimate.stop).heading_rad
+        heading = self._left_by(estimate.stop).heading_rad
         turned = wrap_angle(leg.foot.heading_rad - heading)
         spread = math.hypot(leg.heading_sigma_rad, EXPECTED_HEADING_SIGMA_RAD)
         if abs(turned) > CONTRADICTION * spread:
@@ -117,7 +117,7 @@ class HelicopterPredictor:
                 estimate.stop,
                 speed_mps=estimate.speed_mps,
                 accel_mps2=estimate.accel_mps2,
-                turn_rad=-self.turn_side * math.pi / 2.0,
+                turn_rad=self.turn_rad,
                 leaving_mps2=self._leaving_mps2(estimate),
             ),
         )
@@ -126,7 +126,7 @@ class HelicopterPredictor:
         estimate = self.estimate
         if estimate is None or self.went_on:
             return ()
-        out = self._right_angle(estimate.stop)
+        out = self._left_by(estimate.stop)
         leave_s = max(now_s - UNSEEN_S, estimate.stop_time_s)
         accel = self._leaving_mps2(estimate)
         leaving = departing(leave_s, out, 0.0, speed_mps=estimate.speed_mps, accel_mps2=accel)
@@ -173,9 +173,9 @@ class HelicopterPredictor:
         """
         return max(estimate.accel_mps2, LEAST_LEAVING_SHARE * self.corner.accel_mps2)
 
-    def _right_angle(self, stop: Pose) -> Pose:
-        """Return how a corner is expected to be left: turned to the pattern's side."""
-        return Pose(stop.x_m, stop.y_m, stop.heading_rad - self.turn_side * math.pi / 2.0)
+    def _left_by(self, stop: Pose) -> Pose:
+        """Return how a corner is expected to be left."""
+        return Pose(stop.x_m, stop.y_m, stop.heading_rad + self.turn_rad)
 
     def _way_out(self, helicopter: Motion) -> Pose:
         """Return the line on which the helicopter leaves the corner, through its stop.
@@ -184,7 +184,7 @@ class HelicopterPredictor:
         """
         assert self.estimate is not None
         stop = self.estimate.stop
-        heading = self._right_angle(stop).heading_rad
+        heading = self._left_by(stop).heading_rad
         away = math.hypot(helicopter.x_m - stop.x_m, helicopter.y_m - stop.y_m)
         if away > SURE_BEARING_M:
             bearing = math.atan2(helicopter.y_m - stop.y_m, helicopter.x_m - stop.x_m)

@@ -9,6 +9,8 @@ from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Pha
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.paths.flight_path import CornerFrame
+from sar_planner.patterns.legs import PatternKind
+from sar_planner.patterns.progress import Progress
 from sar_planner.prediction.corner_cost import LEAST_TURN_RAD, MOVING_MPS, CornerCost
 from sar_planner.prediction.forecast import Forecast
 from sar_planner.prediction.helicopter_predictor import HelicopterPredictor
@@ -17,6 +19,7 @@ CLOCK_STEP_S = 1.0
 SAME_CORNER_S = 10.0
 STRAY_SIGMAS = 2.0
 HOVER_MPS, HOVERS_S = 5.0, 10.0
+NOT_SQUARE_RAD = math.radians(15.0)
 
 
 class Situation:
@@ -28,10 +31,13 @@ class Situation:
     more its pilot wanders.
     """
 
-    def __init__(self, corner: CornerParameters, turn_side: int) -> None:
+    def __init__(
+        self, corner: CornerParameters, turn_side: int, pattern: PatternKind = "expanding_square"
+    ) -> None:
         """Know nothing yet."""
         self._corner = corner
-        self._side = turn_side
+        self.progress = Progress(pattern, turn_side)
+        self._turn_rad = self.progress.here.turn_rad
         self.helicopter: Motion | None = None
         self.uav: Motion | None = None
         self.phase = Phase.LOST
@@ -61,6 +67,7 @@ class Situation:
         """Take the leg being flown; the first one after a corner tells what the corner cost."""
         if math.isfinite(leg.foot.x_m + leg.foot.y_m + leg.foot.heading_rad):
             self.leg = leg
+            self.progress.fly(leg.foot.heading_rad)
             self.strays_m = leg.position_sigma_m
             if self._told is not None and not self.went_on:
                 self._cost = self._cost.learnt(self.corners_seen, self._told, leg)
@@ -100,6 +107,7 @@ class Situation:
             new = True
         if new:
             self.corners_seen += 1
+            self._turn_rad = self.progress.here.turn_rad
             self.went_on = False
             if self.phase is not Phase.STOPPED:
                 self.phase = Phase.DECELERATING
@@ -130,12 +138,29 @@ class Situation:
     # Derived -----------------------------------------------------------------------------------
 
     def slot_of(self, leg: Pose) -> Pose:
-        """Return the slot track beside a leg: d to its inside."""
-        return leg.offset(0.0, -self._side * self._corner.spacing_m)
+        """Return the slot track beside a leg: d to the side where the UAV has its place."""
+        side = self.progress.slot_side(leg.heading_rad)
+        return leg.offset(0.0, -side * self._corner.spacing_m)
 
     def slot_frame(self, leg: Pose) -> CornerFrame:
         """Return the frame of the slot track beside a leg, the helicopter on y = d."""
-        return CornerFrame(self.slot_of(leg), self._side)
+        return CornerFrame(self.slot_of(leg), self.progress.slot_side(leg.heading_rad))
+
+    @property
+    def keeps_inside(self) -> bool:
+        """Whether the UAV is inside of the turn that is expected, and will be after it."""
+        stop = self.estimate
+        if stop is None:
+            return False
+        turn, heading = self._turn_rad, stop.stop.heading_rad
+        sides = {self.progress.slot_side(h) for h in (heading, heading + turn)}
+        square = abs(abs(turn) - 0.5 * math.pi) < NOT_SQUARE_RAD
+        return square and sides == {-1 if turn > 0.0 else 1}
+
+    @property
+    def turn_side(self) -> int:
+        """To which side the corner ahead is expected to be turned, 1 right, -1 left."""
+        return -1 if self._turn_rad > 0.0 else 1
 
     @property
     def slot(self) -> Pose | None:
@@ -170,7 +195,7 @@ class Situation:
             return ()
         return HelicopterPredictor(
             corner=self._corner,
-            turn_side=self._side,
+            turn_rad=self._turn_rad,
             helicopter=self.helicopter,
             phase=self.phase,
             leg=self.leg,

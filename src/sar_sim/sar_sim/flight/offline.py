@@ -52,7 +52,10 @@ def message_kind(message: Any) -> str:
 def mission_parameters(scenario: Scenario, *, rules: str) -> MissionParameters:
     """Return the planner's parameters that a scenario prescribes."""
     return MissionParameters(
-        turn_side=scenario.pattern.turn_side, rules=rules, arc_spacing_m=scenario.arc_spacing_m
+        turn_side=scenario.pattern.turn_side,
+        pattern=scenario.pattern.kind,
+        rules=rules,
+        arc_spacing_m=scenario.arc_spacing_m,
     )
 
 

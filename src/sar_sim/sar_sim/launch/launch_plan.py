@@ -111,6 +111,7 @@ def _planner_parameters(scenario: Scenario, options: FlightOptions) -> dict[str,
     corner = {key: value or 0.0 for key, value in asdict(scenario.corner).items()}
     return corner | {
         "rules": options.rules,
+        "pattern": scenario.pattern.kind,
         "turn_side": scenario.pattern.turn_side,
         "arc_spacing_m": scenario.arc_spacing_m,
     }

@@ -33,8 +33,8 @@ def plan_corner(state: State, tick: Tick) -> Decision:
     if reason:
         return Decision(replace(state, done_corner=k), goes_on=True)
     first_stop = estimate.stop if before is None else before.first_stop
-    frame = CornerFrame(estimate.stop, mission.turn_side)
-    planned = _rule_plan(estimate, frame, state, tick)
+    frame = CornerFrame(estimate.stop, situation.turn_side)
+    planned = _rule_plan(estimate, frame, state, tick) if situation.keeps_inside else None
     if planned is None:
         return _from_anywhere(estimate, frame, first_stop, state, tick)
     plan, speed_up = planned
