@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_planner.patterns.legs import legs_of
-from sar_planner.patterns.progress import Progress, expectation
+from sar_planner.patterns.progress import Progress, expectation, sides_of
 
 KINDS = ("expanding_square", "sector", "parallel_track", "creeping_line")
 
@@ -54,3 +54,9 @@ def test_a_square_never_changes_its_side(headings):
     for heading in headings:
         progress.fly(heading)
         assert progress.here.slot_side == progress.slot_side(heading + 1.0) == -1
+
+
+def test_sides_of_legs_in_a_row():
+    assert sides_of("parallel_track", 1, 0, 6) == [1, 1, -1, -1, 1, 1]
+    assert sides_of("parallel_track", 1, 3, 2) == [-1, 1]
+    assert sides_of("sector", -1, 0, 3) == [-1, -1, -1]

@@ -18,7 +18,7 @@ def test_swath_areas_are_the_closed_forms():
 @pytest.mark.parametrize("footprint", ["disc", "square"])
 def test_ideal_formation_covers_what_it_claims(footprint):
     corners = np.array([[0.0, 0.0], [0.0, 2000.0], [2000.0, 2000.0], [2000.0, 500.0]])
-    ideal = ideal_tracks(corners, spacing_m=250.0, turn_side=1)
+    ideal = ideal_tracks(corners, spacing_m=250.0, sides=[1] * (len(corners) - 1))
     found = measure(*ideal, ideal, radius_m=125.0, footprint=footprint)
     assert found.percent == pytest.approx(100.0, abs=1e-6)
     assert found.gaps.area == pytest.approx(0.0, abs=1.0)
@@ -27,7 +27,7 @@ def test_ideal_formation_covers_what_it_claims(footprint):
 @pytest.mark.parametrize("side", [1, -1])
 def test_ideal_uav_flies_inside(side):
     corners = np.array([[0.0, 0.0], [0.0, 1000.0], [side * 1000.0, 1000.0]])
-    _, uav = ideal_tracks(corners, spacing_m=250.0, turn_side=side)
+    _, uav = ideal_tracks(corners, spacing_m=250.0, sides=[side] * (len(corners) - 1))
     assert uav == pytest.approx(
         np.array([[side * 250.0, 0.0], [side * 250.0, 750.0], [side * 1000.0, 750.0]])
     )
@@ -70,7 +70,7 @@ def expanding_square(first_m, spacing_m, corners):
 def test_strips_of_an_expanding_square_lie_side_by_side():
     """Of both aircraft, and of neighbouring rounds: what is claimed is the sum of the strips."""
     points = expanding_square(1500.0, 250.0, 12)
-    helicopter, uav = ideal_tracks(points, spacing_m=250.0, turn_side=1)
+    helicopter, uav = ideal_tracks(points, spacing_m=250.0, sides=[1] * (len(points) - 1))
     assert len(uav) == len(points)
     # Legs at right angles to those of the helicopter, shorter by d at either corner.
     legs = np.hypot(*np.diff(uav, axis=0).T)
@@ -87,7 +87,7 @@ def test_a_pattern_that_crosses_itself_and_stops_twice_has_an_inner_track():
     corners = np.array(
         [(0, 0), (0, 900), (0, 900), (700, 900), (700, 300), (-600, 500), (-300, 1500)], float
     )
-    tracks = ideal_tracks(corners, spacing_m=250.0, turn_side=1)
+    tracks = ideal_tracks(corners, spacing_m=250.0, sides=[1] * (len(corners) - 1))
     assert [track.shape for track in tracks] == [(6, 2), (6, 2)]
     assert np.isfinite(tracks[1]).all()
     found = measure(tracks[0], tracks[1], tracks, radius_m=125.0, footprint="disc")
@@ -96,5 +96,13 @@ def test_a_pattern_that_crosses_itself_and_stops_twice_has_an_inner_track():
 
 def test_a_way_back_has_no_endless_mitre():
     there_and_back = np.array([(0.0, 0.0), (1000.0, 0.0), (0.0, 10.0)])
-    _, uav = ideal_tracks(there_and_back, spacing_m=250.0, turn_side=1)
+    _, uav = ideal_tracks(there_and_back, spacing_m=250.0, sides=[1] * (len(there_and_back) - 1))
     assert np.abs(uav).max() < 4000.0
+
+
+def test_beside_legs_that_lead_back_and_forth_it_changes_sides_with_the_pattern():
+    """North, east, south: inside on the first two, and then beside the tracks to come."""
+    corners = np.array([[0.0, 0.0], [0.0, 4000.0], [500.0, 4000.0], [500.0, 0.0]])
+    _, uav = ideal_tracks(corners, spacing_m=250.0, sides=[1, 1, -1])
+    expected = [[250, 0], [250, 3750], [500, 3750], [750, 4000], [750, 0]]
+    assert uav == pytest.approx(np.array(expected, dtype=float))

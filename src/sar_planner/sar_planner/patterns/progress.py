@@ -40,6 +40,11 @@ def expectation(kind: PatternKind, side: int, leg: int) -> Expectation:
     return Expectation(-side * RIGHT_ANGLE_RAD, side)
 
 
+def sides_of(kind: PatternKind, side: int, first: int, count: int) -> list[int]:
+    """Return the UAV's sides on so many legs of a pattern from leg ``first`` (from 0) on."""
+    return [expectation(kind, side, leg).slot_side for leg in range(first, first + count)]
+
+
 class Progress:
     """Counts the legs that were flown. ``leg``: the one being flown, from 0."""
 

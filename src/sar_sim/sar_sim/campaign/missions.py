@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sar_planner.patterns.progress import sides_of
 from sar_planner.strategies.active_corner import ActiveCorner
 from sar_sim.campaign.detection import matched
 from sar_sim.flight.offline import OfflineFlight
@@ -121,11 +122,12 @@ def covered(world: World, track: np.ndarray) -> Coverage:
     ``track``: helicopter's and UAV's positions, shape (n, 4).
     """
     scenario = world.scenario
+    pattern = scenario.pattern
     stops = [corner.crossing_m for corner in world.corners[COVERED_FROM_CORNER - 1 :]]
     ideal = ideal_tracks(
         np.vstack((*stops, track[-1, :2])),
         spacing_m=scenario.corner.spacing_m,
-        turn_side=scenario.pattern.turn_side,
+        sides=sides_of(pattern.kind, pattern.turn_side, COVERED_FROM_CORNER, len(stops)),
     )
     return measure(
         track[:, :2],

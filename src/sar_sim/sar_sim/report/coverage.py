@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -97,27 +98,36 @@ def _squares(xy_m: FloatArray, half_m: float) -> list[Polygon]:
 
 
 def ideal_tracks(
-    corners_xy: FloatArray, *, spacing_m: float, turn_side: int
+    corners_xy: FloatArray, *, spacing_m: float, sides: Sequence[int]
 ) -> tuple[FloatArray, FloatArray]:
     """Return the ideal formation's tracks with sharp corners, each of shape (n, 2) [m].
 
-    ``corners_xy``: the helicopter's start, corners and end. The UAV flies ``spacing_m`` inside; its
-    corners are where its legs' lines cross. (A library's offset curve falls apart here: in an
+    ``corners_xy``: the helicopter's start, corners and end. The UAV flies ``spacing_m`` to a side
+    of each leg, ``sides``: 1 right, -1 left; its corners are where its legs' lines cross, or, where
+    it changes sides, it flies from leg to leg. (A library's offset curve falls apart here: in an
     expanding square the UAV's strips of two rounds lie side by side.) Points that are the
     same count once; two or more are needed.
     """
-    line = np.asarray(corners_xy, dtype=np.float64)
+    line, legs = np.asarray(corners_xy, dtype=np.float64), np.asarray(sides, dtype=np.float64)
     ways = np.diff(line, axis=0)
     lengths = np.hypot(ways[:, 0], ways[:, 1])
     if lengths.min(initial=math.inf) < LEAST_LEG_M:
-        apart = np.concatenate(([True], lengths >= LEAST_LEG_M))
-        return ideal_tracks(line[apart], spacing_m=spacing_m, turn_side=turn_side)
+        long = lengths >= LEAST_LEG_M
+        kept = line[np.concatenate(([True], long))]
+        return ideal_tracks(kept, spacing_m=spacing_m, sides=legs[long].tolist())
     ways /= lengths[:, None]
-    inward = turn_side * np.column_stack((ways[:, 1], -ways[:, 0]))
-    before = np.vstack((inward[:1], inward))
-    after = np.vstack((inward, inward[-1:]))
-    straightness = np.maximum(1.0 + (before * after).sum(axis=1), LEAST_MITRE)
-    return line, line + spacing_m * (before + after) / straightness[:, None]
+    beside = legs[:, None] * np.column_stack((ways[:, 1], -ways[:, 0]))
+    uav = [line[0] + spacing_m * beside[0]]
+    for point, before, after, changes in zip(
+        line[1:-1], beside[:-1], beside[1:], legs[1:] != legs[:-1], strict=True
+    ):
+        if changes:
+            uav += [point + spacing_m * before, point + spacing_m * after]
+        else:
+            straightness = max(1.0 + float(before @ after), LEAST_MITRE)
+            uav.append(point + spacing_m * (before + after) / straightness)
+    uav.append(line[-1] + spacing_m * beside[-1])
+    return line, np.array(uav)
 
 
 def measure(

@@ -9,6 +9,7 @@ import numpy as np
 
 from sar_estimator.common.checked import read
 from sar_estimator.common.pose import Pose
+from sar_planner.patterns.progress import sides_of
 from sar_sim.report.coverage import Coverage, FloatArray, ideal_tracks, measure
 from sar_sim.report.flight_data import FlightData
 from sar_sim.scenario.scenario import Sensor
@@ -84,10 +85,12 @@ def coverage(data: FlightData) -> Coverage | None:
     sensor = read(Sensor, data.scenario.get("sensor", {}), "sensor", texts=True)
     mission = data.mission
     points = np.vstack((data.helicopter.xy_m[0], stops, data.helicopter.xy_m[-1]))
+    told = mission["mission"]
+    kind, side = told.get("pattern", "expanding_square"), int(told["turn_side"])
     ideal = ideal_tracks(
         points,
         spacing_m=float(mission["corner"]["spacing_m"]),
-        turn_side=int(mission["mission"]["turn_side"]),
+        sides=sides_of(kind, side, 0, len(points) - 1),
     )
     return measure(
         data.helicopter.xy_m,
