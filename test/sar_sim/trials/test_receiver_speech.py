@@ -35,3 +35,8 @@ def test_it_is_read_back(protocol):
         assert reading.covariance_m2.diagonal() == pytest.approx((2.25, 2.25), abs=0.05)
         if protocol == "ubx":
             assert reading.velocity_sigma_mps == pytest.approx(0.1, abs=0.01)
+
+
+def test_a_reception_without_a_velocity_is_not_told_as_one_that_stands():
+    with pytest.raises(ValueError, match="without a velocity"):
+        ubx(Reception(Fix(0.0, 37.8, -122.8, 0.0)), UTC_S, 1.0, 0.1)

@@ -9,6 +9,7 @@ import argparse
 import os
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from sar_estimator.estimation.parameters import VELOCITY_SIGMA_MPS
@@ -24,9 +25,10 @@ STEP_S = 0.1
 
 def speak(scenario: Scenario, protocol: str, link: Path | None) -> None:
     """Fly to the end; what nobody reads is lost, as at a port."""
-    world = World(scenario)
-    sigma_m = scenario.gps.reported_sigma_m
-    sigma_mps = scenario.gps.doppler_sigma_mps or VELOCITY_SIGMA_MPS
+    gps = scenario.gps
+    sigma_m, sigma_mps = gps.reported_sigma_m, gps.doppler_sigma_mps or VELOCITY_SIGMA_MPS
+    # Every receiver at a port tells a velocity.
+    world = World(replace(scenario, gps=replace(gps, doppler_sigma_mps=sigma_mps)))
     with terminal() as (controller, device):
         os.set_blocking(controller, False)
         if link is not None:

@@ -16,8 +16,10 @@ SATELLITES = 12
 
 
 def _speed(reception: Reception) -> tuple[float, float]:
-    velocity = reception.velocity
-    return (0.0, 0.0) if velocity is None else (velocity.vx_mps, velocity.vy_mps)
+    """Return the velocity, east and north [m/s]. Raises ``ValueError`` for a reception without."""
+    if reception.velocity is None:
+        raise ValueError("reception without a velocity: expected one, as every receiver tells")
+    return reception.velocity.vx_mps, reception.velocity.vy_mps
 
 
 def ubx(reception: Reception, utc_s: float, sigma_m: float, sigma_mps: float) -> bytes:
