@@ -210,6 +210,7 @@ class PlannerComponent(Component):
             planner.problem,
             {
                 "corner": planner.situation.corners_seen,
+                "pattern_leg": planner.situation.progress.leg + 1,
                 "rule": planner.rule,
                 "phase": planner.situation.phase,
                 "lag_m": _figure(planner.lag_m()),

@@ -60,3 +60,9 @@ def test_a_silent_node_greys_what_it_tells(well, with_node):
 )
 def test_wind_is_told_by_where_it_comes_from(wind, text):
     assert wind_text(wind) == text
+
+
+def test_the_helicopters_leg_is_shown_where_the_planner_tells_it(well, with_node):
+    texts = {one.name: one.text for one in figures(with_node(well, "planner", pattern_leg=3))}
+    assert texts["helicopter"] == "cruise, leg 3"
+    assert {one.name: one.text for one in figures(well)}["helicopter"] == "cruise"

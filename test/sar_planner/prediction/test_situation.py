@@ -236,3 +236,39 @@ def test_who_stands_for_longer_than_in_a_corner_hovers_until_it_is_seen_to_leave
     assert not situation.hovers
     situation.set_phase(Phase.ACCELERATING)
     assert not situation.has_hovered
+
+
+def cornering(situation, heading_rad, stop_s):
+    """Tell of a leg and the corner at its end."""
+    situation.set_helicopter(Motion(stop_s - 4.0, 0.0, 0.0, 20.0, 0.0))
+    leg = LegEstimate(stop_s - 20.0, Pose(0.0, 0.0, heading_rad), 20.0, 1.0, 0.01, 0.1)
+    situation.set_leg(leg)
+    situation.set_phase(Phase.CRUISE)
+    stop = Pose(0.0, 0.0, heading_rad)
+    told = {"time_s": stop_s - 4.0, "stop_time_s": stop_s, "stop": stop}
+    situation.set_corner(estimate(**told))
+
+
+@pytest.mark.parametrize(
+    ("pattern", "inside"),
+    [
+        ("expanding_square", [True, True, True, True]),
+        ("sector", [True, True, True, True]),
+        ("parallel_track", [True, False, True, False]),
+    ],
+)
+def test_the_rules_are_for_who_stays_inside_and_every_corner_has_its_turn(pattern, inside):
+    situation = Situation(CornerParameters(), 1, pattern)
+    heading, found = 0.5 * math.pi, []
+    for k in range(4):
+        cornering(situation, heading, 100.0 * (k + 1))
+        expected = situation.progress.here
+        found.append(situation.keeps_inside)
+        assert situation.turn_side == (-1 if expected.turn_rad > 0.0 else 1)
+        slot = situation.slot_of(Pose(0.0, 0.0, heading))
+        assert Pose(0.0, 0.0, heading).across(*slot[:2]) == pytest.approx(
+            -250.0 * expected.slot_side
+        )
+        heading += expected.turn_rad
+    assert found == inside
+    assert situation.progress.leg == 3

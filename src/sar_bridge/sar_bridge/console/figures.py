@@ -38,10 +38,15 @@ def figures(snapshot: Snapshot) -> list[Figure]:
         Figure("ground speed", _speed(snapshot), no_uav, is_small=True),
         Figure("wind", wind_text(snapshot.wind_mps), no_bridge, is_small=True),
         Figure("battery", _battery(snapshot), no_bridge, is_small=True),
-        Figure(
-            "helicopter", str(snapshot.phase or NONE), snapshot.is_stale("estimator"), is_small=True
-        ),
+        Figure("helicopter", _flies(snapshot), snapshot.is_stale("estimator"), is_small=True),
     ]
+
+
+def _flies(snapshot: Snapshot) -> str:
+    """Return what the helicopter does, and on which leg of its pattern."""
+    planner = snapshot.node("planner")
+    leg = "" if planner is None else planner.value("pattern_leg")
+    return str(snapshot.phase or NONE) + (f", leg {leg}" if leg else "")
 
 
 def _metres(value: float | None) -> str:

@@ -19,7 +19,6 @@ CLOCK_STEP_S = 1.0
 SAME_CORNER_S = 10.0
 STRAY_SIGMAS = 2.0
 HOVER_MPS, HOVERS_S = 5.0, 10.0
-NOT_SQUARE_RAD = math.radians(15.0)
 
 
 class Situation:
@@ -148,14 +147,16 @@ class Situation:
 
     @property
     def keeps_inside(self) -> bool:
-        """Whether the UAV is inside of the turn that is expected, and will be after it."""
+        """Whether the UAV is inside of the turn that is expected, and will be after it.
+
+        Then the rules' paths lead to its place: at another angle than a right one, corrected.
+        """
         stop = self.estimate
         if stop is None:
             return False
         turn, heading = self._turn_rad, stop.stop.heading_rad
         sides = {self.progress.slot_side(h) for h in (heading, heading + turn)}
-        square = abs(abs(turn) - 0.5 * math.pi) < NOT_SQUARE_RAD
-        return square and sides == {-1 if turn > 0.0 else 1}
+        return sides == {-1 if turn > 0.0 else 1}
 
     @property
     def turn_side(self) -> int:
