@@ -115,3 +115,25 @@ def test_what_is_slow_to_be_answered_is_not_asked_again_too_soon(monkeypatch, un
     client.asked[-1].answer = SimpleNamespace(success=True, message="back to the formation")
     assert asking.ask() == "back to the formation"
     assert asking.done
+
+
+@pytest.mark.parametrize("is_ok", [True, False])
+def test_a_wait_that_fails_once_the_end_was_asked_for_is_the_end(monkeypatch, is_ok):
+    """Between two waits rclpy makes the next one of a context that is none any more."""
+
+    def spin(_node):
+        raise RuntimeError("failed to initialize wait set: the given context is not valid")
+
+    ended = []
+    for name in ("_end_when_asked", "start_ros", "refuse_unknown_parameters"):
+        monkeypatch.setattr(node_support, name, lambda *_: None)
+    monkeypatch.setattr(node_support.rclpy, "spin", spin)
+    monkeypatch.setattr(node_support.rclpy, "ok", lambda: is_ok)
+    monkeypatch.setattr(node_support, "end_process", ended.append)
+    node = SimpleNamespace(close=lambda: None)
+    if is_ok:
+        with pytest.raises(RuntimeError, match="wait set"):
+            node_support.run_node("one", lambda: node)
+    else:
+        node_support.run_node("one", lambda: node)
+    assert ended == ([] if is_ok else [0])

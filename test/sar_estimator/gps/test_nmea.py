@@ -117,3 +117,18 @@ def test_without_rmc_the_velocity_is_that_of_vtg(decoder, make):
         found += taken(decoder, make["gga"](time=f"10:20:{second}"), vtg)
     assert len(found) == 3
     assert found[-1].velocity_mps == pytest.approx((5.0 * KNOT_MPS, 0.0), abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["GGA", "RMC", "VTG", "GST", "GSA"])
+@pytest.mark.parametrize("fields", range(8))
+def test_a_sentence_that_is_cut_short_and_sound_by_chance_is_damaged(kind, fields):
+    """Eight bits of check sum let one in 256 through."""
+    body = ",".join([f"GN{kind}", *(["102046", "30", "", "0.0", "0", "1", "2"][:fields])])
+    check = 0
+    for letter in body.encode():
+        check ^= letter
+    decoder = NmeaDecoder(5.0)
+    for _ in range(3):
+        for reading in decoder.take(f"${body}*{check:02X}".encode()):
+            assert not reading.is_valid
+    assert decoder.damaged <= 3

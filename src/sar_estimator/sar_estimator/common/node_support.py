@@ -162,6 +162,10 @@ def run_node(name: str, make: Callable[[], Node]) -> int:
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except RuntimeError:
+        # Asked to end between two waits rclpy may still make the next one, and fail (RCLError).
+        if rclpy.ok():
+            raise
     finally:
         close = getattr(node, "close", None)
         if close is not None:

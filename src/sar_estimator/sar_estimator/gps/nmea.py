@@ -17,7 +17,14 @@ from sar_estimator.gps.reading import Reading
 
 KNOT_MPS = 1852.0 / 3600.0
 """A knot [m/s] (ISO 80000-3)."""
-WANTED = ("GGA", "RMC", "VTG", "GST", "GSA")
+WANTED = {
+    "GGA": ("time", "lat", "lon", "quality", "HDOP", "alt"),
+    "RMC": ("time", "status", "lat", "lon", "spd", "cog", "date"),
+    "VTG": ("cogt", "sogn"),
+    "GST": ("time", "stdLat", "stdLong"),
+    "GSA": ("HDOP",),
+}
+"""The sentences that are read, and what is read of them."""
 ESTIMATED = 6
 """The quality of GGA of a position that is dead reckoning."""
 HALF_DAY_S = 43_200.0
@@ -60,6 +67,9 @@ class NmeaDecoder:
             self.damaged += 1
             return []
         if message is None or message.msgID not in WANTED or "*" not in sentence.decode("ascii"):
+            return []
+        if not all(hasattr(message, name) for name in WANTED[message.msgID]):
+            self.damaged += 1  # cut short, and its eight bits of check sum right by chance
             return []
         found: list[Reading] = []
         at = getattr(message, "time", None)
