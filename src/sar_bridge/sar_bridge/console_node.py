@@ -209,7 +209,7 @@ def main(argv: list[str] | None = None) -> int:
         _fly(node)
     except (ValueError, OSError) as error:
         sys.stderr.write(f"console: {error}\n")
-        return 2
+        return end_process(2)
     return end_process(0)
 
 

@@ -156,8 +156,7 @@ def run_node(name: str, make: Callable[[], Node]) -> int:
         refuse_unknown_parameters(node)
     except (ValueError, OSError) as error:
         sys.stderr.write(f"{name}: {error}\n")
-        rclpy.try_shutdown()
-        return 2
+        end_process(2)
     try:
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):

@@ -229,7 +229,7 @@ def main() -> int:
         pass
     except (ValueError, OSError) as error:
         sys.stderr.write(f"sim: {error}\n")
-        return 2 if node is None else end_process(2)
+        end_process(2)
     if node is not None:
         node.close()
     return end_process(0)
