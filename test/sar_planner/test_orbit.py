@@ -123,6 +123,15 @@ def test_a_place_far_away_has_a_way_too(make_bench):
 # A helicopter that comes to the mark --------------------------------------------------------------
 
 
+@pytest.fixture
+def circled(bench):
+    """Return a bench whose UAV is on its circle about the mark."""
+    bench.plan.find.mark(bench.now, (-500.0, -800.0))
+    bench.plan.orbit(bench.now)
+    bench.fly(120.0)
+    return bench
+
+
 def standing(x_m, y_m):
     return lambda now_s: Motion(now_s, x_m, y_m, 0.2, 0.1)
 
@@ -137,46 +146,36 @@ def off_circle(bench, radius_m):
     return worst
 
 
-def test_a_helicopter_that_hovers_over_the_mark_is_circled_for_good(bench):
+def test_a_helicopter_that_hovers_over_the_mark_is_circled_for_good(circled):
     """It may leave any way at any time: that is no reason to leave the circle."""
-    bench.plan.find.mark(bench.now, (-500.0, -800.0))
-    bench.plan.orbit(bench.now)
-    bench.fly(120.0)
-    bench.stands = standing(-490.0, -805.0)
-    bench.fly(30.0, phase=Phase.STOPPED, helicopter=bench.stands)
-    lists = len(bench.lists)
-    assert off_circle(bench, 300.0) < 2.0
-    assert len(bench.lists) <= lists + 2
+    circled.stands = standing(-490.0, -805.0)
+    circled.fly(30.0, phase=Phase.STOPPED, helicopter=circled.stands)
+    lists = len(circled.lists)
+    assert off_circle(circled, 300.0) < 2.0
+    assert len(circled.lists) <= lists + 2
 
 
-def test_a_wider_circle_is_flown_about_one_that_hovers_beside_the_mark(bench):
-    bench.plan.find.mark(bench.now, (-500.0, -800.0))
-    bench.plan.orbit(bench.now)
-    bench.fly(120.0)
-    bench.stands = standing(-500.0, -680.0)
-    bench.fly(100.0, phase=Phase.STOPPED, helicopter=bench.stands)
-    assert off_circle(bench, 400.0) < 2.0
-    assert "circles at 400 m: the helicopter is inside" in bench.plan.problem
-    bench.stands = standing(5000.0, 5000.0)
-    bench.fly(250.0, phase=Phase.STOPPED, helicopter=bench.stands)
-    assert off_circle(bench, 300.0) < 2.0
-    assert bench.plan.problem == ""
+def test_a_wider_circle_is_flown_about_one_that_hovers_beside_the_mark(circled):
+    circled.stands = standing(-500.0, -680.0)
+    circled.fly(100.0, phase=Phase.STOPPED, helicopter=circled.stands)
+    assert off_circle(circled, 400.0) < 2.0
+    assert "circles at 400 m: the helicopter is inside" in circled.plan.problem
+    circled.stands = standing(5000.0, 5000.0)
+    circled.fly(250.0, phase=Phase.STOPPED, helicopter=circled.stands)
+    assert off_circle(circled, 300.0) < 2.0
+    assert circled.plan.problem == ""
 
 
-def test_one_that_circles_is_given_room_and_kept_apart_from(bench):
-    bench.plan.find.mark(bench.now, (-500.0, -800.0))
-    bench.plan.orbit(bench.now)
-    bench.fly(120.0)
-
+def test_one_that_circles_is_given_room_and_kept_apart_from(circled):
     def circling(now_s):
         angle = 0.1 * now_s
         x_m, y_m = -500.0 + 150.0 * math.cos(angle), -800.0 + 150.0 * math.sin(angle)
         return Motion(now_s, x_m, y_m, -15.0 * math.sin(angle), 15.0 * math.cos(angle))
 
-    bench.fly(60.0, helicopter=circling)
-    least = bench.fly(400.0, helicopter=circling)
+    circled.fly(60.0, helicopter=circling)
+    least = circled.fly(400.0, helicopter=circling)
     assert least > 200.0
-    assert bench.plan.mode is Mode.ORBIT
+    assert circled.plan.mode is Mode.ORBIT
 
 
 def test_there_is_nothing_to_resume_to_while_the_helicopter_hovers(bench):

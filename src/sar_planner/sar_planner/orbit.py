@@ -9,7 +9,6 @@ other list.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -24,7 +23,7 @@ from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.paths.circle_entry import TWO_PI, entries
 from sar_planner.paths.flight_path import Arc, FlightPath, Straight
-from sar_planner.prediction.free_flight import STANDING_MPS, FreeFlight, Possible
+from sar_planner.prediction.free_flight import FreeFlight, Possible, least_apart_m
 from sar_planner.prediction.situation import Situation
 from sar_planner.strategies.active_corner import Mode
 from sar_planner.strategies.strategy import StrategyReport
@@ -38,9 +37,6 @@ WATCH_S = 1.0
 WIDER_M = (0.0, 100.0, 200.0, 400.0)
 AWAY_RAD, AWAY_M = (0.0, 0.7, -0.7), (300.0, 900.0)
 FEW = 4
-FRONT_M = 1000.0
-"""Ahead of the helicopter, within which the UAV does not cross its track."""
-FRONT_STEP_S = 2.0
 OFF_M, FLOWN_STEPS = 150.0, 76
 
 
@@ -114,7 +110,8 @@ class Orbit:
         Until then it stays on its circle.
         """
         if self.state is not None:
-            self.state = replace(self.state, mark=mark, tried_s=-math.inf, is_stale=True)
+            self.state = replace(self.state, mark=mark)
+            self.again()
 
     def end(self) -> None:
         """Lead it there no more."""
@@ -172,7 +169,7 @@ class Orbit:
         rest = state.path.cut(state.flown_m)
         off_m = math.hypot(uav.x_m - rest.start.x_m, uav.y_m - rest.start.y_m)
         ahead = rest.cut(0.0, min(rest.length_m, LOOKED_S * self._corner.speed_mps))
-        near_m = self._apart_m(ahead, now_s, self._possible(now_s))
+        near_m = least_apart_m(self._possible(now_s), ahead, now_s, self._corner.speed_mps)
         return state.is_stale or off_m > OFF_M or near_m < self._corner.separation_m
 
     def _circled_on(self, state: OrbitState, uav: Motion, now_s: float) -> Listed | None:
@@ -206,11 +203,13 @@ class Orbit:
             return None
         self.state = state = replace(state, tried_s=now_s)
         start = uav.after(now_s - uav.time_s + mission.reaction_s).pose
+        possible = self._possible(now_s + mission.reaction_s)
         wanted_m = self._corner.separation_m + mission.separation_margin_m
         best: _Way | None = None
         for wider_m, prefixes in (*((one, None) for one in WIDER_M), (0.0, self._away(start))):
             circle_m = mission.orbit_radius_m + wider_m
-            way = self._best_way(self._ways(start, circle_m, prefixes), circle_m, now_s, wanted_m)
+            ways = self._ways(start, circle_m, prefixes)
+            way = self._best_way(ways, possible, circle_m, now_s, wanted_m)
             if way is not None and (best is None or way.apart_m > best.apart_m):
                 best = way
             if best is not None and best.apart_m >= wanted_m:
@@ -266,20 +265,24 @@ class Orbit:
         return sorted(found, key=lambda one: one[0].length_m)
 
     def _best_way(
-        self, ways: list[tuple[FlightPath, float]], circle_m: float, now_s: float, wanted_m: float
+        self,
+        ways: list[tuple[FlightPath, float]],
+        possible: tuple[Possible, ...],
+        circle_m: float,
+        now_s: float,
+        wanted_m: float,
     ) -> _Way | None:
         """Return the first way that keeps ``wanted_m``, else the safest; None for no way."""
         start_s = now_s + self._mission.reaction_s
-        possible = self._possible(start_s)
         stays, most_m = self._free.keeps_its_place, 2.0 * LOOKED_S * self._corner.speed_mps
         best: _Way | None = None
         for way, around in ways:
             path = _around(way, circle_m, around)
             # Beside one that stays where it is no way helps that only puts the circle off.
             looked = path if stays else path.cut(0.0, min(path.length_m, most_m))
-            if self._cuts_in_front(looked, now_s):
+            if self._free.is_cut_off_by(looked, now_s):
                 continue
-            apart_m = self._apart_m(looked, start_s, possible)
+            apart_m = least_apart_m(possible, looked, start_s, self._corner.speed_mps)
             if best is None or apart_m > best.apart_m:
                 best = _Way(apart_m, path, around, circle_m)
             if apart_m >= wanted_m:
@@ -302,26 +305,6 @@ class Orbit:
         assert self.state is not None
         mark = self.state.mark
         return self._free.possible(now_s, (mark.x_m, mark.y_m), comes=self.state.path is None)
-
-    def _apart_m(self, path: FlightPath, start_s: float, possible: Sequence[Possible]) -> float:
-        """Return the least distance of a path to anything the helicopter may do [m]."""
-        speed = self._corner.speed_mps
-        return min((one.least_m(path, start_s, speed) for one in possible), default=math.inf)
-
-    def _cuts_in_front(self, path: FlightPath, now_s: float) -> bool:
-        """Whether a path crosses the helicopter's track ahead of it, near it."""
-        helicopter = self._s.helicopter
-        if helicopter is None or helicopter.speed_mps < STANDING_MPS:
-            return False
-        now = helicopter.after(now_s - helicopter.time_s)
-        times = np.arange(0.0, path.length_m / self._corner.speed_mps, FRONT_STEP_S)
-        course = now.course_rad
-        along = np.array((math.cos(course), math.sin(course)))
-        flown = path.points(times * self._corner.speed_mps) - (now.x_m, now.y_m)
-        ahead = flown @ along - now.speed_mps * times
-        beside = flown @ np.array((-along[1], along[0]))
-        crossed = beside[:-1] * beside[1:] < 0.0
-        return bool((crossed & (ahead[1:] > 0.0) & (ahead[1:] < FRONT_M)).any())
 
 
 def _around(path: FlightPath, circle_m: float, around: float) -> FlightPath:

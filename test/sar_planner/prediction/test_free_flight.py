@@ -8,7 +8,7 @@ from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import Motion, Phase
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.paths.flight_path import FlightPath, Straight
-from sar_planner.prediction.free_flight import FreeFlight, Possible
+from sar_planner.prediction.free_flight import FreeFlight, Possible, least_apart_m
 from sar_planner.prediction.situation import HOVERS_S, Situation
 
 PLACE = (0.0, -2000.0)
@@ -100,5 +100,8 @@ def test_a_forecast_counts_for_as_long_as_it_is_believed():
     towards = Possible(free.possible(29.0, PLACE, comes=False)[1].forecast)
     # Head on: they meet in the middle.
     path = FlightPath.of(Pose(1580.0, 0.0, math.pi), (Straight(1000.0),))
-    assert towards.least_m(path, 29.0, 20.0) < 10.0
-    assert Possible(towards.forecast, 12.0).least_m(path, 29.0, 20.0) > 450.0
+    assert least_apart_m([towards], path, 29.0, 20.0) < 10.0
+    briefly = Possible(towards.forecast, 12.0)
+    assert least_apart_m([briefly], path, 29.0, 20.0) > 450.0
+    assert least_apart_m([briefly, towards], path, 29.0, 20.0) < 10.0
+    assert least_apart_m([], path, 29.0, 20.0) == math.inf

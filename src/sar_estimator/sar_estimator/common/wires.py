@@ -134,13 +134,11 @@ def _uav_message(report: UavReport, _time_s: float) -> Odometry:
 
 
 def _uav(message: Odometry) -> UavReport:
-    pose = message.pose.pose
-    yaw = conversions.to_yaw(pose.orientation)
-    motion, altitude_m = (
+    return UavReport(
         conversions.odometry_to_motion(message),
+        conversions.to_yaw(message.pose.pose.orientation),
         conversions.odometry_altitude_m(message),
     )
-    return UavReport(motion, yaw, altitude_m)
 
 
 def _uav_carried(report: UavReport) -> UavReport:

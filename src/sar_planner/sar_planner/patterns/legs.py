@@ -22,11 +22,29 @@ RIGHT_ANGLE_RAD = 0.5 * math.pi
 SECTOR_RAD = math.radians(120.0)
 
 
+CORNERS: dict[str, int] = {"track_line": 0, "track_line_return": 2}
+"""How many corners a pattern has, of those that have a number of their own."""
+
+
 class Leg(NamedTuple):
     """A leg: its length [m], and the turn at its end, left positive [rad]; 0 after the last."""
 
     length_m: float
     turn_rad: float
+
+
+def turn_after(kind: PatternKind, side: int, leg: int) -> float:
+    """Return the turn at the end of a leg (from 0), left positive [rad]; see ``legs_of``."""
+    if kind == "sector":
+        return -side * SECTOR_RAD
+    back = kind in ("parallel_track", "creeping_line") and leg // 2 % 2 == 1
+    back = back or (kind == "track_line_return" and leg > 1)
+    return (side if back else -side) * RIGHT_ANGLE_RAD
+
+
+def inside_of(turn_rad: float) -> int:
+    """Return which side is inside of a turn: 1 right, -1 left."""
+    return -1 if turn_rad > 0.0 else 1
 
 
 def legs_of(
@@ -44,7 +62,7 @@ def legs_of(
     of the others. ``spacing_m``: between the helicopter's neighbouring tracks. ``last_m``: the last
     leg, where it is another length. Raises ``ValueError`` for corners that a pattern has not.
     """
-    wanted = {"track_line": 0, "track_line_return": 2}.get(kind, corners)
+    wanted = CORNERS.get(kind, corners)
     if corners != wanted:
         raise ValueError(f"corners = {corners}: expected {wanted} in a {kind}")
     lengths = {
@@ -53,7 +71,7 @@ def legs_of(
     }.get(kind, _back_and_forth)(corners, leg_m, spacing_m)
     if last_m is not None:
         lengths[-1] = last_m
-    turns = [-side * turn for turn in _turns(kind, corners)]
+    turns = [turn_after(kind, side, leg) for leg in range(corners)]
     return [Leg(length, turn) for length, turn in zip(lengths, [*turns, 0.0], strict=True)]
 
 
@@ -72,12 +90,3 @@ def _sector(corners: int, leg_m: float, _spacing_m: float) -> list[float]:
 def _back_and_forth(corners: int, leg_m: float, spacing_m: float) -> list[float]:
     """Return search leg, cross leg, search leg, ..."""
     return [leg_m if i % 2 == 0 else spacing_m for i in range(corners + 1)]
-
-
-def _turns(kind: PatternKind, corners: int) -> list[float]:
-    """Return the turns, to the first one's side positive [rad]."""
-    if kind == "expanding_square":
-        return [RIGHT_ANGLE_RAD] * corners
-    if kind == "sector":
-        return [SECTOR_RAD] * corners
-    return [RIGHT_ANGLE_RAD if i // 2 % 2 == 0 else -RIGHT_ANGLE_RAD for i in range(corners)]

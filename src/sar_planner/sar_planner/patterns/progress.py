@@ -9,35 +9,30 @@ import math
 from typing import NamedTuple
 
 from sar_estimator.common.pose import wrap_angle
-from sar_planner.patterns.legs import RIGHT_ANGLE_RAD, SECTOR_RAD, PatternKind
+from sar_planner.patterns.legs import PatternKind, inside_of, turn_after
 
 TURNED_RAD = math.radians(45.0)
 
 
 class Expectation(NamedTuple):
-    """What is expected of a leg: the turn at its end, left positive [rad], and the UAV's side.
+    """What is expected of a leg: the turn at its end, left positive [rad].
 
-    ``slot_side``: 1 to the helicopter's right, -1 to its left.
+    The UAV is inside of it. Where legs lead back and forth it changes over behind the helicopter as
+    that turns from a cross leg onto a search leg, and so searches the strip of the tracks to come
+    on all of them.
     """
 
     turn_rad: float
-    slot_side: int
+
+    @property
+    def slot_side(self) -> int:
+        """The UAV's side: 1 to the helicopter's right, -1 to its left."""
+        return inside_of(self.turn_rad)
 
 
 def expectation(kind: PatternKind, side: int, leg: int) -> Expectation:
-    """Return what is expected of a leg (from 0) of a pattern that first turns to ``side``.
-
-    The UAV is inside of the turn at the leg's end. Where legs lead back and forth it changes over
-    behind the helicopter as that turns from a cross leg onto a search leg, and so searches the
-    strip of the tracks to come on all of them.
-    """
-    if kind == "sector":
-        return Expectation(-side * SECTOR_RAD, side)
-    if kind == "track_line_return" and leg > 1:
-        return Expectation(side * RIGHT_ANGLE_RAD, -side)
-    if kind in ("parallel_track", "creeping_line"):
-        side = side if leg // 2 % 2 == 0 else -side
-    return Expectation(-side * RIGHT_ANGLE_RAD, side)
+    """Return what is expected of a leg (from 0) of a pattern that first turns to ``side``."""
+    return Expectation(turn_after(kind, side, leg))
 
 
 def sides_of(kind: PatternKind, side: int, first: int, count: int) -> list[int]:

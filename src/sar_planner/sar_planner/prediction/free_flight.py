@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,9 @@ STRAIGHT_S, STRAIGHT_RAD = 10.0, math.radians(20.0)
 LEAVES_CIRCLE_S = 12.0
 ARC_S, ARC_STEP_S = 300.0, 2.0
 APART_STEP_S = 0.5
+FRONT_M = 1000.0
+"""Ahead of the helicopter, within which the UAV does not cross its track."""
+FRONT_STEP_S = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,12 +36,21 @@ class Possible:
     forecast: Forecast
     for_s: float = math.inf
 
-    def least_m(self, path: FlightPath, start_s: float, speed_mps: float) -> float:
-        """Return the least distance [m] of a path flown from ``start_s`` on, while it is flown."""
-        until_s = min(path.length_m / speed_mps, self.for_s)
-        times = np.arange(0.0, until_s, APART_STEP_S)
-        gaps = path.points(times * speed_mps) - self.forecast.positions(start_s + times)
-        return math.sqrt(float(np.square(gaps).sum(axis=1).min(initial=math.inf)))
+
+def least_apart_m(
+    possible: Sequence[Possible], path: FlightPath, start_s: float, speed_mps: float
+) -> float:
+    """Return the least distance [m] to all that is possible of a path, while it is flown.
+
+    ``start_s``: when it is begun. Infinite where nothing is possible.
+    """
+    times = np.arange(0.0, path.length_m / speed_mps, APART_STEP_S)
+    flown, least_m2 = path.points(times * speed_mps), math.inf
+    for one in possible:
+        count = int(np.searchsorted(times, one.for_s))
+        gaps = flown[:count] - one.forecast.positions(start_s + times[:count])
+        least_m2 = min(least_m2, float(np.square(gaps).sum(axis=1).min(initial=math.inf)))
+    return math.sqrt(least_m2)
 
 
 class FreeFlight:
@@ -120,6 +133,21 @@ class FreeFlight:
         if comes or (off < HEADS_RAD and now.speed_mps > STANDING_MPS):
             found.append(Possible(_going(now_s, towards, math.hypot(dx, dy), fastest)))
         return tuple(found)
+
+    def is_cut_off_by(self, path: FlightPath, now_s: float) -> bool:
+        """Whether a path that is begun now crosses its track ahead of it, near it."""
+        helicopter = self._s.helicopter
+        if helicopter is None or helicopter.speed_mps < STANDING_MPS:
+            return False
+        now = helicopter.after(now_s - helicopter.time_s)
+        times = np.arange(0.0, path.length_m / self._corner.speed_mps, FRONT_STEP_S)
+        course = now.course_rad
+        along = np.array((math.cos(course), math.sin(course)))
+        flown = path.points(times * self._corner.speed_mps) - (now.x_m, now.y_m)
+        ahead = flown @ along - now.speed_mps * times
+        beside = flown @ np.array((-along[1], along[0]))
+        crossed = beside[:-1] * beside[1:] < 0.0
+        return bool((crossed & (ahead[1:] > 0.0) & (ahead[1:] < FRONT_M)).any())
 
 
 def _going(now_s: float, towards: Pose, away_m: float, speed_mps: float) -> Forecast:

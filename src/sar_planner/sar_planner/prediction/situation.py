@@ -9,7 +9,7 @@ from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Pha
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.paths.flight_path import CornerFrame
-from sar_planner.patterns.legs import PatternKind
+from sar_planner.patterns.legs import PatternKind, inside_of
 from sar_planner.patterns.progress import Progress
 from sar_planner.prediction.corner_cost import LEAST_TURN_RAD, MOVING_MPS, CornerCost
 from sar_planner.prediction.forecast import Forecast
@@ -156,12 +156,12 @@ class Situation:
             return False
         turn, heading = self._turn_rad, stop.stop.heading_rad
         sides = {self.progress.slot_side(h) for h in (heading, heading + turn)}
-        return sides == {-1 if turn > 0.0 else 1}
+        return sides == {self.turn_side}
 
     @property
     def turn_side(self) -> int:
         """To which side the corner ahead is expected to be turned, 1 right, -1 left."""
-        return -1 if self._turn_rad > 0.0 else 1
+        return inside_of(self._turn_rad)
 
     @property
     def slot(self) -> Pose | None:

@@ -23,7 +23,7 @@ from sar_estimator.common.checked import (
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import blown_mps
 from sar_planner.parameters.corner import CornerParameters
-from sar_planner.patterns.legs import PatternKind
+from sar_planner.patterns.legs import CORNERS, PatternKind
 from sar_sim.scenario.presets import AUTOPILOTS, HUMAN, PILOTS, RECEIVERS
 
 # The nodes that lead the UAV: they can fail, and are started again.
@@ -309,7 +309,7 @@ class Scenario:
     def __post_init__(self) -> None:
         """Check what goes together."""
         pilot, uav = self.pilot, self.uav
-        wanted = {"track_line": 0, "track_line_return": 2}.get(self.pattern.kind)
+        wanted = CORNERS.get(self.pattern.kind)
         corners = self.pattern.corners
         expected = "1 or more" if wanted is None else f"{wanted} in a {self.pattern.kind}"
         ok = corners >= 1 if wanted is None else corners == wanted

@@ -9,9 +9,9 @@ from pynmeagps import GET as NMEA_GET
 from pynmeagps import NMEAMessage
 from pyubx2 import GET, UBXMessage
 
+from sar_estimator.gps.nmea import KNOT_MPS
 from sar_sim.world.gps import Reception
 
-KNOT_MPS = 1852.0 / 3600.0
 SATELLITES = 12
 
 

@@ -16,7 +16,7 @@ from sar_estimator.common.pose import Pose, wrap_angle
 from sar_estimator.common.states import FloatArray, Motion
 from sar_sim.scenario.scenario import Find, Pilot
 from sar_sim.world.helicopter import CornerTruth, Helicopter
-from sar_sim.world.human_helicopter import LEAST_WANDER_SHARE, wander
+from sar_sim.world.human_helicopter import wandered
 from sar_sim.world.sampled_motion import STEP_S, SampledMotion
 
 BANK_DEG, YAW_RATE_DPS = 20.0, 20.0
@@ -174,18 +174,8 @@ def _track(
 ) -> SampledMotion:
     """Add the pilot's wander to the rows x, y, course, speed; end as it began if it ``returns``."""
     rng = np.random.default_rng([pilot.seed, 7, round(10.0 * begin.time_s)])
-    noise = rng.standard_normal((2, len(rows), 2))
-    axes = pilot.wander_along_mps, pilot.wander_across_mps
-    offsets = wander(
-        noise[0],
-        noise[1],
-        np.ascontiguousarray(rows[:, 2]),
-        np.clip(rows[:, 3] / cruise_mps, LEAST_WANDER_SHARE, 1.0),
-        np.zeros((2, 2)),
-        np.array(
-            [*axes, pilot.wander_time_s, pilot.wander_damping, pilot.gust_mps2, pilot.gust_time_s]
-        ),
-    )
+    courses = np.ascontiguousarray(rows[:, 2])
+    offsets = wandered(pilot, rng, courses, rows[:, 3] / cruise_mps, np.zeros((2, 2)))
     places = rows[:, :2] + offsets[:, :2]
     velocities = rows[:, 3:] * np.column_stack((np.cos(rows[:, 2]), np.sin(rows[:, 2])))
     velocities += offsets[:, 2:]

@@ -185,6 +185,26 @@ def wander(
     return out
 
 
+def wandered(
+    pilot: Pilot,
+    rng: np.random.Generator,
+    courses_rad: FloatArray,
+    shares: FloatArray,
+    begin: FloatArray,
+) -> FloatArray:
+    """Return a pilot's wander of every step, as ``wander`` has it.
+
+    ``shares``: of his cruise speed, shape (n,); ``begin``: offset and velocity, shape (2, 2).
+    """
+    noise = rng.standard_normal((2, courses_rad.size, 2))
+    axes = pilot.wander_along_mps, pilot.wander_across_mps
+    settings = np.array(
+        [*axes, pilot.wander_time_s, pilot.wander_damping, pilot.gust_mps2, pilot.gust_time_s]
+    )
+    shares = np.clip(shares, LEAST_WANDER_SHARE, 1.0)
+    return wander(noise[0], noise[1], courses_rad, shares, begin, settings)
+
+
 class HumanHelicopter:
     """The helicopter on its pattern, flown by a human; begins at time 0 at cruise speed.
 
@@ -354,12 +374,7 @@ class HumanHelicopter:
         begin = (begin * axes * np.array(((pilot.wander_time_s,), (1.0,)))) @ np.array(
             ((c, s), (-s, c))
         )
-        drawn = self._rng.standard_normal((2, headings.size, 2))
-        shares = np.clip(means / self._speed, LEAST_WANDER_SHARE, 1.0)
-        settings = np.array(
-            [*axes, pilot.wander_time_s, pilot.wander_damping, pilot.gust_mps2, pilot.gust_time_s]
-        )
-        offsets = wander(drawn[0], drawn[1], headings, shares, begin, settings)
+        offsets = wandered(pilot, self._rng, headings, means / self._speed, begin)
         self.corners = [
             self._truth(k, mark, places, headings, offsets) for k, mark in enumerate(marks, start=1)
         ]
