@@ -8,6 +8,7 @@ from sar_estimator.common.states import LegEstimate, Motion, Phase
 from sar_planner.engagement import not_flying, obstacle
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
+from sar_planner.patterns.legs import PatternTerms
 from sar_planner.prediction.situation import Situation
 
 MISSION = MissionParameters()
@@ -37,7 +38,7 @@ def known(**changes):
         "phase": Phase.CRUISE,
         "leg": LegEstimate(100.0, Pose(0.0, 0.0, 0.0), 20.0, 1.0, 0.001, 0.05),
     } | changes
-    situation = Situation(CornerParameters(), 1)
+    situation = Situation(CornerParameters(), PatternTerms(side=1))
     for name in ("uav", "helicopter", "leg"):
         if values[name] is not None:
             getattr(situation, f"set_{name}")(values[name])

@@ -22,10 +22,12 @@ from sar_estimator.common.node_support import run_node
 class MonitorNodeParameters:
     """Parameters of the node.
 
-    guard_rate_hz: how often the list being flown is looked at.
+    guard_rate_hz: how often the list being flown is looked at. others: namespaces of the other
+        UAVs, from which this one is kept apart as from the helicopter.
     """
 
     guard_rate_hz: Annotated[float, Field(ge=1.0, le=50.0)] = 2.0
+    others: tuple[str, ...] = ()
 
 
 PARAMETERS = (MonitorParameters, HelicopterModel, MonitorNodeParameters)
@@ -35,7 +37,7 @@ def make(node: Node) -> MonitorComponent:
     """Return the monitor that a node's parameters describe."""
     limits, model = parameters(node, MonitorParameters), parameters(node, HelicopterModel)
     own = parameters(node, MonitorNodeParameters)
-    return MonitorComponent(limits, model, rate_hz=own.guard_rate_hz)
+    return MonitorComponent(limits, model, rate_hz=own.guard_rate_hz, others=own.others)
 
 
 def main() -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import asdict
 
 from sar_estimator.common import topics
@@ -15,6 +16,7 @@ from sar_estimator.common.component import (
     Outputs,
     keep,
 )
+from sar_estimator.common.other_uavs import OtherUavs
 from sar_estimator.common.reports import (
     CornerRecord,
     Health,
@@ -59,14 +61,24 @@ class PlannerComponent(Component):
     urgent = frozenset({topics.PREDICTION})
 
     def __init__(
-        self, corner: CornerParameters, mission: MissionParameters, *, rate_hz: float = 5.0
+        self,
+        corner: CornerParameters,
+        mission: MissionParameters,
+        *,
+        rate_hz: float = 5.0,
+        yields_to: Sequence[str] = (),
     ) -> None:
-        """Begin idle. ``rate_hz``: of decisions. Raises ``ValueError`` for what cannot be."""
+        """Begin idle. ``rate_hz``: of decisions. ``yields_to``: UAVs with the right of way.
+
+        Raises ``ValueError`` for what cannot be.
+        """
         super().__init__()
         if not 0.0 < rate_hz <= MOST_RATE_HZ:
             raise ValueError(f"parameter decision_rate_hz = {rate_hz}: expected 0 to 100")
         self.period_s = 1.0 / rate_hz
         self.planner = MissionPlanner(corner, mission)
+        situation = self.planner.situation
+        situation.others, situation.layer_m = OtherUavs(yields_to), mission.layer_separation_m
         self._asked_mps = 0.0
         self._noted = ""
         self.inputs = {
@@ -80,6 +92,7 @@ class PlannerComponent(Component):
             topics.MONITOR: keep(self.planner.set_monitor),
             topics.WIND: keep(self.planner.set_wind),
             topics.TARGET: self._on_target,
+            **situation.others.inputs,
         }
         self.services = {
             topics.ENGAGE: self._engage,
@@ -106,6 +119,7 @@ class PlannerComponent(Component):
 
     def _on_uav(self, report: UavReport, _now_s: float) -> Outputs:
         self.planner.situation.set_uav(report.motion)
+        self.planner.situation.altitude_m = report.altitude_m
         return []
 
     def _on_corner(self, corner: CornerEstimate, _now_s: float) -> Outputs:
@@ -211,6 +225,7 @@ class PlannerComponent(Component):
             {
                 "corner": planner.situation.corners_seen,
                 "pattern_leg": planner.situation.progress.leg + 1,
+                "slot": str(planner.situation.progress.slot),
                 "rule": planner.rule,
                 "phase": planner.situation.phase,
                 "lag_m": _figure(planner.lag_m()),

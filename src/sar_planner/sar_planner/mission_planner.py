@@ -58,8 +58,9 @@ class MissionPlanner:
         check_planner(mission.rules, corner)
         self.corner_parameters = corner
         self.parameters = mission
-        self.situation = Situation(corner, mission.turn_side, mission.pattern)
-        self._strategy = STRATEGIES[mission.rules](self.situation, corner, mission)
+        own = corner.beside(mission.slot_tracks)
+        self.situation = Situation(corner, mission.terms, mission.slot)
+        self._strategy = STRATEGIES[mission.rules](self.situation, own, mission)
         self.find = Finding(
             self.situation,
             mission,

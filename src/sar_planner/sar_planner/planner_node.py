@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from typing import Annotated
 
 from pydantic import Field
@@ -27,10 +28,15 @@ class ShownPlanner(PlannerComponent):
     outputs = (*PlannerComponent.outputs, topics.MARKERS)
 
     def __init__(
-        self, corner: CornerParameters, mission: MissionParameters, *, rate_hz: float
+        self,
+        corner: CornerParameters,
+        mission: MissionParameters,
+        *,
+        rate_hz: float,
+        yields_to: Sequence[str],
     ) -> None:
         """Begin idle, with nothing shown."""
-        super().__init__(corner, mission, rate_hz=rate_hz)
+        super().__init__(corner, mission, rate_hz=rate_hz, yields_to=yields_to)
         self._markers = Markers()
 
     def report(self, now_s: float) -> Outputs:
@@ -50,10 +56,12 @@ class ShownPlanner(PlannerComponent):
 class PlannerNodeParameters:
     """Parameters of the node.
 
-    decision_rate_hz: how often decisions are taken, beside those at every prediction.
+    decision_rate_hz: how often decisions are taken, beside those at every prediction. yields_to:
+        namespaces of the UAVs whose lists this one plans around.
     """
 
     decision_rate_hz: Annotated[float, Field(gt=0.0, le=100.0)] = 5.0
+    yields_to: tuple[str, ...] = ()
 
 
 PARAMETERS = (CornerParameters, MissionParameters, PlannerNodeParameters)
@@ -64,7 +72,7 @@ def make(node: Node) -> ShownPlanner:
     corner = parameters(node, CornerParameters)
     mission = parameters(node, MissionParameters)
     own = parameters(node, PlannerNodeParameters)
-    return ShownPlanner(corner, mission, rate_hz=own.decision_rate_hz)
+    return ShownPlanner(corner, mission, rate_hz=own.decision_rate_hz, yields_to=own.yields_to)
 
 
 def main() -> int:

@@ -132,7 +132,8 @@ def test_one_that_is_said_to_stand_and_is_away_from_its_stop_is_leaving(away_m, 
     west = Motion(now, first.stop.x_m - away_m, first.stop.y_m, -speed, 0.0)
     helicopter.set_motion(west, 3.0, 1.0)
     found = {future.name: future for future in helicopter.futures(now, TIMES)}
-    assert {"stands", "leaves inside", "leaves outside", "leaves straight on"} <= set(found)
+    assert {"stands", "leaves inside", "leaves outside"} <= set(found)
+    assert "leaves straight on" not in found  # it is seen to go elsewhere
     assert ("speeds up" in found) is leaves
     if leaves:
         assert found["speeds up"].positions[20, 0] < west.x_m - 190.0
@@ -255,3 +256,33 @@ def test_one_that_hovered_and_is_seen_to_leave_goes_where_it_goes():
     assert leaving["leaves"].likely
     assert leaving["leaves"].positions[-1] == pytest.approx((5.0, 731.0), abs=40.0)
     assert "stops again" in leaving
+
+
+@pytest.mark.parametrize("phase", [Phase.STOPPED, Phase.DECELERATING])
+@pytest.mark.parametrize(
+    ("course_deg", "speed", "sigma", "outside", "onward"),
+    [
+        (0.0, 2.0, 0.1, True, True),  # too slow to tell
+        (0.0, 5.0, 2.0, True, True),  # not sure
+        (0.0, 5.0, 0.1, False, False),  # inside, to the right
+        (90.0, 5.0, 0.1, False, True),  # straight on
+        (180.0, 5.0, 0.1, True, False),  # outside
+        (45.0, 5.0, 0.1, False, True),  # neither yet
+    ],
+)
+def test_who_is_seen_to_leave_a_corner_does_not_leave_it_another_way(
+    phase, course_deg, speed, sigma, outside, onward
+):
+    """The leg led north, and the pattern turns right."""
+    first = pattern().corners[0]
+    now = first.stop_time_s + 2.0
+    helicopter = Helicopter(HABITS)
+    helicopter.phase = phase
+    helicopter.corner = corner_of(first, first.stop_time_s + 1.0)
+    course = math.radians(course_deg)
+    velocity = speed * math.cos(course), speed * math.sin(course)
+    helicopter.set_motion(Motion(now, first.stop.x_m, first.stop.y_m, *velocity), 3.0, sigma)
+    found = {future.name for future in helicopter.futures(now, TIMES)}
+    assert bool({"leaves outside", "turns outside"} & found) is outside
+    assert bool({"leaves straight on", "goes on"} & found) is onward
+    assert found & {"leaves inside", "turns inside"}

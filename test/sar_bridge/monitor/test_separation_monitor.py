@@ -252,7 +252,7 @@ def test_an_escape_climbs_where_that_separates_more_and_not_into_the_helicopter(
     for above_m, climbs in ((0.0, True), (30.0, True), (-40.0, False)):
         bench = Bench(uav=(100.0, -150.0))
         bench.uav = bench.uav._replace(vx_mps=0.0, vy_mps=20.0)
-        bench.monitor.set_above(above_m)
+        bench.monitor.set_altitudes(100.0 + above_m, 100.0)
         bench.tell()
         bench.monitor.set_flown(np.array([[100.0, 3000.0]]))
         (escape, *_) = bench.fly(1.0)

@@ -118,7 +118,10 @@ def test_a_message_carries_what_is_said_to_be_carried(topic):
 
 
 def test_every_topic_that_nodes_talk_over_is_in_the_table():
-    known = {value for name, value in vars(topics).items() if name.isupper()} - {topics.COMMON}
+    known = {value for name, value in vars(topics).items() if name.isupper()} - {
+        topics.COMMON,
+        topics.OF_UAV,
+    }
     others = {
         topics.CLOCK,
         topics.SCENARIO,
@@ -249,3 +252,19 @@ def test_what_all_uavs_share_is_absolute_and_all_else_relative():
     assert topics.name_of(topics.FIX) == "/helicopter/fix"
     assert topics.name_of(topics.WAYPOINTS) == "uav/waypoints"
     assert topics.name_of(topics.ENGAGE) == "planner/engage"
+
+
+@pytest.mark.parametrize("topic", sorted(topics.OF_UAV))
+def test_what_is_of_a_uav_has_its_name_and_what_all_share_has_none(topic):
+    named = topics.of_uav(topic, "uav2")
+    assert named == f"/uav2{topic}"
+    assert topics.of_uav(topic, "") == topic
+    assert topics.of_uav(named, "uav3") == named  # it is another one's already
+    assert topics.plain(named) == topics.plain(topic) == topic
+    assert topics.name_of(topic) == topic[1:]
+    assert topics.name_of(named) == named
+
+
+@pytest.mark.parametrize("topic", sorted(topics.COMMON))
+def test_what_all_share_is_named_alike_for_all(topic):
+    assert topics.of_uav(topic, "uav2") == topics.plain(topic) == topics.name_of(topic) == topic

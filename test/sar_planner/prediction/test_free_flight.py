@@ -8,6 +8,7 @@ from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import Motion, Phase
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.paths.flight_path import FlightPath, Straight
+from sar_planner.patterns.legs import PatternTerms
 from sar_planner.prediction.free_flight import FreeFlight, Possible, least_apart_m
 from sar_planner.prediction.situation import HOVERS_S, Situation
 
@@ -16,7 +17,7 @@ PLACE = (0.0, -2000.0)
 
 def seen(motions, phase=Phase.CRUISE):
     """Return what watches a helicopter, after it was seen to do all this."""
-    situation = Situation(CornerParameters(), 1)
+    situation = Situation(CornerParameters(), PatternTerms(side=1))
     free = FreeFlight(situation, CornerParameters())
     for motion in motions:
         situation.set_helicopter(motion)

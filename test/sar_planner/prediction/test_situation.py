@@ -9,6 +9,7 @@ import pytest
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.parameters.corner import CornerParameters
+from sar_planner.patterns.legs import PatternTerms
 from sar_planner.prediction.situation import HOVER_MPS, HOVERS_S, Situation
 
 
@@ -27,7 +28,7 @@ def estimate(**changes):
 
 
 def situation(phase, helicopter, *, side=1, leg=None, corner=None):
-    known = Situation(CornerParameters(), side)
+    known = Situation(CornerParameters(), PatternTerms(side=side))
     known.set_helicopter(helicopter)
     if leg is not None:
         known.set_leg(leg)
@@ -40,7 +41,7 @@ def situation(phase, helicopter, *, side=1, leg=None, corner=None):
 
 
 def test_nothing_is_predicted_of_a_helicopter_that_is_lost_or_not_understood():
-    assert Situation(CornerParameters(), 1).forecasts(0.0) == ()
+    assert Situation(CornerParameters(), PatternTerms(side=1)).forecasts(0.0) == ()
     at_rest = Motion(0.0, 0.0, 0.0, 0.0, 0.0)
     for phase in Phase:
         assert situation(phase, at_rest).forecasts(0.0) == ()
@@ -128,7 +129,7 @@ def test_a_young_leg_is_weighed_against_a_right_angle():
 
 
 def test_new_corners_are_counted_and_refinements_are_not():
-    known = Situation(CornerParameters(), 1)
+    known = Situation(CornerParameters(), PatternTerms(side=1))
     assert known.set_corner(estimate())
     assert not known.set_corner(estimate(time_s=105.0))
     assert known.set_corner(estimate(time_s=204.0, stop_time_s=208.0))
@@ -226,7 +227,7 @@ def test_the_same_estimate_told_again_is_the_same_corner():
 
 
 def test_who_stands_for_longer_than_in_a_corner_hovers_until_it_is_seen_to_leave():
-    situation = Situation(CornerParameters(), 1)
+    situation = Situation(CornerParameters(), PatternTerms(side=1))
     for second in range(14):
         situation.set_helicopter(Motion(float(second), 0.0, 0.0, 0.3, 0.0))
         situation.set_phase(Phase.STOPPED)
@@ -250,25 +251,24 @@ def cornering(situation, heading_rad, stop_s):
 
 
 @pytest.mark.parametrize(
-    ("pattern", "inside"),
+    ("pattern", "places_m"),
     [
-        ("expanding_square", [True, True, True, True]),
-        ("sector", [True, True, True, True]),
-        ("parallel_track", [True, False, True, False]),
+        ("expanding_square", [(250.0, 250.0)] * 4),
+        ("sector", [(250.0, 250.0)] * 4),
+        ("parallel_track", [(250.0, -350.0), (-350.0, -250.0)] * 2),
     ],
 )
-def test_the_rules_are_for_who_stays_inside_and_every_corner_has_its_turn(pattern, inside):
-    situation = Situation(CornerParameters(), 1, pattern)
+def test_every_corner_has_its_turn_and_places_before_and_after_it(pattern, places_m):
+    situation = Situation(CornerParameters(), PatternTerms(pattern, 1))
     heading, found = 0.5 * math.pi, []
     for k in range(4):
         cornering(situation, heading, 100.0 * (k + 1))
         expected = situation.progress.here
-        found.append(situation.keeps_inside)
+        found.append(situation.places_m)
         assert situation.turn_side == (-1 if expected.turn_rad > 0.0 else 1)
         slot = situation.slot_of(Pose(0.0, 0.0, heading))
-        assert Pose(0.0, 0.0, heading).across(*slot[:2]) == pytest.approx(
-            -250.0 * expected.slot_side
-        )
+        across_m = -situation.turn_side * places_m[k][0]
+        assert Pose(0.0, 0.0, heading).across(*slot[:2]) == pytest.approx(across_m)
         heading += expected.turn_rad
-    assert found == inside
+    assert found == [pytest.approx(places) for places in places_m]
     assert situation.progress.leg == 3

@@ -9,7 +9,7 @@ from sar_planner.rejoin.recapture import row_of
 from sar_planner.rules.corner_coverage import SweepAt, sweep_of
 from sar_planner.rules.deadbeat_rules import DeadbeatRules
 from sar_planner.rules.paper_rules import Rule
-from sar_sim.report.coverage import ideal_tracks, swath
+from sar_sim.report.coverage import IdealSlot, ideal_tracks, swath
 
 P = CornerParameters()
 
@@ -36,7 +36,7 @@ def test_what_a_corner_leaves_unseen(lead, separation, most_m2):
     plan = DeadbeatRules(P).plan(0.0, lead_m=float(lead), separation_m=float(separation))
     reach = 2500.0
     helicopter = np.array([(-reach, 0.0), (0.0, 0.0), (0.0, -reach)])
-    _, strip = ideal_tracks(helicopter, spacing_m=250.0, sides=[1] * (len(helicopter) - 1))
+    _, strip = ideal_tracks(helicopter, [IdealSlot([250.0] * 2)])
     path = plan.path.sample(5.0)
     flown = np.vstack(((-reach, -250.0), path, (-250.0, -reach)))
     seen = swath(flown, 125.0).union(swath(helicopter, 125.0))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,6 +14,7 @@ from sar_bridge.monitor.parameters import MonitorParameters
 from sar_bridge.monitor.separation_monitor import SeparationMonitor
 from sar_estimator.common import topics
 from sar_estimator.common.component import NOTICES, Component, Notice, Outputs, keep
+from sar_estimator.common.other_uavs import OtherUavs
 from sar_estimator.common.reports import (
     Health,
     HelicopterReport,
@@ -38,14 +40,23 @@ class MonitorComponent(Component):
     outputs = (topics.CLEARED, topics.MONITOR, topics.DIAGNOSTICS)
 
     def __init__(
-        self, parameters: MonitorParameters, model: HelicopterModel, *, rate_hz: float = 2.0
+        self,
+        parameters: MonitorParameters,
+        model: HelicopterModel,
+        *,
+        rate_hz: float = 2.0,
+        others: Sequence[str] = (),
     ) -> None:
-        """Know nothing. ``rate_hz``: of the guard. Raises ``ValueError`` for what cannot be."""
+        """Know nothing. ``rate_hz``: of the guard. ``others``: the other UAVs' names.
+
+        Raises ``ValueError`` for what cannot be.
+        """
         super().__init__()
         if not RATES_HZ[0] <= rate_hz <= RATES_HZ[1]:
             raise ValueError(f"parameter guard_rate_hz = {rate_hz}: expected 1 to 50")
         self.period_s = 1.0 / rate_hz
-        self.monitor = SeparationMonitor(parameters, model)
+        told = OtherUavs(others)
+        self.monitor = SeparationMonitor(parameters, model, told)
         self._covariance: FloatArray | None = None
         self._uav_m = self._helicopter_m = math.nan
         self._led = self._armed = False
@@ -65,6 +76,7 @@ class MonitorComponent(Component):
             topics.UPLOADED: self._on_uploaded,
             topics.AUTOPILOT: self._on_autopilot,
             topics.ADSB: keep(self.monitor.present.hear),
+            **told.inputs,
         }
 
     @property
@@ -80,7 +92,7 @@ class MonitorComponent(Component):
 
     def _on_helicopter(self, report: HelicopterReport, _now_s: float) -> Outputs:
         self._helicopter_m = report.altitude_m
-        self.monitor.set_above(self._uav_m - self._helicopter_m)
+        self.monitor.set_altitudes(self._uav_m, self._helicopter_m)
         self.monitor.helicopter.set_motion(
             report.motion, report.position_sigma_m, report.velocity_sigma_mps
         )
@@ -98,7 +110,7 @@ class MonitorComponent(Component):
 
     def _on_uav(self, report: UavReport, _now_s: float) -> Outputs:
         self._uav_m = report.altitude_m
-        self.monitor.set_above(self._uav_m - self._helicopter_m)
+        self.monitor.set_altitudes(self._uav_m, self._helicopter_m)
         self.monitor.set_uav(report.motion)
         return []
 

@@ -28,6 +28,7 @@ MOST_UNSEEN = 12
 STOP_SIGMA_M = 4.0
 EXPECTED_SIGMA_RAD = math.radians(6.0)
 ACCEL_SHARE_SIGMA = 0.15
+ANOTHER_WAY_RAD = math.radians(60.0)
 FASTER, IS_FAST = 1.3, 1.0
 
 
@@ -35,13 +36,14 @@ FASTER, IS_FAST = 1.3, 1.0
 class Future:
     """One hypothesis: positions, shape (n, 2) [m], at the times asked for.
 
-    ``sigma_m``: their standard deviation in any direction, shape (n,) [m].
+    ``sigma_m``: their standard deviation in any direction, shape (n,) [m]. ``who``: of whom.
     """
 
     name: str
     positions: FloatArray
     sigma_m: FloatArray
     likely: bool = field(default=False, kw_only=True)
+    who: str = field(default="the helicopter", kw_only=True)
 
 
 class Helicopter(SeenHelicopter):
@@ -148,13 +150,15 @@ class Helicopter(SeenHelicopter):
         fastest = max(self.cruise_mps, forward)
         again = _along(here, _run(times, forward, self.model.accel_mps2, fastest))
         spread = self._ramp_spread(times)
+        heading = here.heading_rad
+        not_out, not_on = self._seen_off(motion, heading - self.model.inside_rad, heading)
         if corner is not None:
             spread = np.hypot(spread, math.sqrt(0.5 * float(np.trace(corner.covariance))))
         return [
             Future("turns inside", inside, spread, likely=True),
             Future("stands", slowing, spread),
-            Future("turns outside", outside, spread),
-            Future("goes on", again, spread),
+            *(() if not_out else (Future("turns outside", outside, spread),)),
+            *(() if not_on else (Future("goes on", again, spread),)),
         ]
 
     def _standing(
@@ -180,13 +184,27 @@ class Helicopter(SeenHelicopter):
                 spread,
                 likely=not hovered,
             ),
-            Future("leaves outside", self._turned(stop, 0.0, times, -inside), spread),
-            Future("leaves straight on", self._turned(stop, 0.0, times, 0.0), spread),
         ]
+        heading = stop.heading_rad
+        not_out, not_on = self._seen_off(motion, heading - inside, heading)
+        if not not_out:
+            leaves = self._turned(stop, 0.0, times, -inside)
+            found.append(Future("leaves outside", leaves, spread))
+        if not not_on:
+            leaves = self._turned(stop, 0.0, times, 0.0)
+            found.append(Future("leaves straight on", leaves, spread))
         away = math.hypot(here.x_m - stop.x_m, here.y_m - stop.y_m)
         if away > CONTRADICTION * math.hypot(self.position_sigma_m, STOP_SIGMA_M):
             found += self._departing(motion, ahead_s, now_s, times)
         return found
+
+    def _seen_off(self, motion: Motion, *headings_rad: float) -> list[bool]:
+        """Return which departures it is seen not to make: it moves, and another way than that."""
+        sure = motion.speed_mps > max(SURE_COURSE_MPS, CONTRADICTION * self.velocity_sigma_mps)
+        return [
+            sure and abs(wrap_angle(motion.course_rad - heading)) > ANOTHER_WAY_RAD
+            for heading in headings_rad
+        ]
 
     def _leaving(self, motion: Motion, here: Pose, now_s: float, times: FloatArray) -> list[Future]:
         """Return how one that has hovered leaves: where it is seen to go."""

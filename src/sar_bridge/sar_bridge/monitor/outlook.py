@@ -12,7 +12,9 @@ from sar_bridge.arduplane.l1_predictor import STEP_S, FollowerTuning, Route, Vec
 from sar_bridge.monitor.escapes import Apart, apart
 from sar_bridge.monitor.helicopter_hypotheses import Future, Helicopter
 from sar_bridge.monitor.helicopter_model import HelicopterModel
+from sar_bridge.monitor.other_futures import OtherFutures
 from sar_bridge.monitor.parameters import MonitorParameters
+from sar_estimator.common.other_uavs import OtherUavs
 from sar_estimator.common.states import FloatArray, Motion, Phase
 
 PLANNED_SHARE = 0.2  # of the helicopter's speed, within which a list's own is believed
@@ -31,7 +33,7 @@ class ClosestApproach:
 
     def __str__(self) -> str:
         """Say it."""
-        return f"{self.distance_m:.0f} m in {self.in_s:.0f} s if the helicopter {self.future}"
+        return f"{self.distance_m:.0f} m in {self.in_s:.0f} s if {self.future}"
 
 
 NO_APPROACH = ClosestApproach(math.inf, 0.0, "")
@@ -41,11 +43,19 @@ class Outlook:
     """Both aircraft as they were told of last, and where they may be.
 
     ``tuning``: of the autopilot's guidance. ``above_m``: the UAV's height above the helicopter,
-    NaN where it is not known.
+    ``altitude_m``: its altitude, NaN where they are not known. ``others``: the other UAVs.
     """
 
-    def __init__(self, parameters: MonitorParameters, model: HelicopterModel) -> None:
+    def __init__(
+        self, parameters: MonitorParameters, model: HelicopterModel, others: OtherUavs | None = None
+    ) -> None:
         """Know nothing yet."""
+        self.others = OtherFutures(
+            others or OtherUavs(()),
+            layer_m=parameters.layer_separation_m,
+            stale_s=parameters.lost_s,
+        )
+        self.altitude_m = math.nan
         self.helicopter = Helicopter(model)
         self.tuning = FollowerTuning()
         self.uav: Motion | None = None
@@ -90,8 +100,9 @@ class Outlook:
         return "helicopter GPS lost" if self.helicopter.phase is Phase.LOST else ""
 
     def futures(self, now_s: float) -> list[Future]:
-        """Return where the helicopter may be, every ``STEP_S`` from now on."""
-        return self.helicopter.futures(now_s, self._times)
+        """Return where helicopter and other UAVs may be, every ``STEP_S`` from now on."""
+        others = self.others.futures(now_s, self._times, self.altitude_m, self.wind_mps)
+        return self.helicopter.futures(now_s, self._times) + others
 
     def path(
         self, route: Route, now_s: float, horizon_s: float, *, is_flown: bool, escaping: bool
@@ -147,5 +158,5 @@ class Outlook:
                 continue
             least, i = l1_kernels.closest(distance, sigma, sigmas, count)
             if least < found.distance_m:
-                found = ClosestApproach(least, float(self._times[i]), future.name)
+                found = ClosestApproach(least, float(self._times[i]), f"{future.who} {future.name}")
         return found

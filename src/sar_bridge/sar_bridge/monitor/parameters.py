@@ -49,6 +49,8 @@ class MonitorParameters:
     climb_mps: with which the UAV is expected to climb on a way out.
     vertical_separation_m: who is nearer than min_separation_m, and less apart in altitude than
         this, is told of at once.
+    layer_separation_m: UAVs that are at least so much apart in altitude need not be so
+        horizontally.
     adsb_sigma_m: standard deviation of the helicopter's ADS-B position.
     watch_only: say all this and do nothing, to see what a planner does by itself.
     """
@@ -79,6 +81,7 @@ class MonitorParameters:
     rechoose_s: NotNegative = 2.0
     climb_mps: NotNegative = 2.5
     vertical_separation_m: NotNegative = 60.0
+    layer_separation_m: Positive = 30.0
     adsb_sigma_m: Positive = 30.0
     watch_only: bool = False
 

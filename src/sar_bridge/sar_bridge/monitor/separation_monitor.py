@@ -1,10 +1,11 @@
 """The independent separation monitor: a gate for waypoint lists, a guard that commands escapes.
 
 Pure, and without any of the planner's code. From the motion of both aircraft it predicts where the
-UAV will be that follows a list (``l1_predictor``) and where the helicopter may be
-(``helicopter_hypotheses``). *Gate*: a list that breaks the least separation in prediction does not
-pass. *Guard*: when the list that is flown leads close to the helicopter anyway, the UAV is sent
-away until it is clear. Positions are in the map frame [m], times in seconds of one clock.
+UAV will be that follows a list (``l1_predictor``), where the helicopter may be
+(``helicopter_hypotheses``), and where the other UAVs will be (``other_futures``). *Gate*: a list
+that breaks the least separation in prediction does not pass. *Guard*: when the list that is flown
+leads close to another aircraft anyway, the UAV is sent away until it is clear. Positions are in the
+map frame [m], times in seconds of one clock.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.outlook import NO_APPROACH, Outlook
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_bridge.monitor.present import Present
+from sar_estimator.common.other_uavs import OtherUavs
 from sar_estimator.common.states import FloatArray, Motion
 
 
@@ -32,11 +34,16 @@ class SeparationMonitor:
     wrong with them now.
     """
 
-    def __init__(self, parameters: MonitorParameters, model: HelicopterModel) -> None:
+    def __init__(
+        self,
+        parameters: MonitorParameters,
+        model: HelicopterModel,
+        others: OtherUavs | None = None,
+    ) -> None:
         """Know nothing yet."""
         self.parameters = parameters
         self.thresholds = parameters.thresholds()
-        self.outlook = Outlook(parameters, model)
+        self.outlook = Outlook(parameters, model, others)
         self.nearest = NO_APPROACH
         self.reason = ""
         self.refused_id = 0
@@ -90,9 +97,10 @@ class SeparationMonitor:
         """Take how the autopilot is tuned."""
         self.outlook.tuning = tuning
 
-    def set_above(self, above_m: float) -> None:
-        """Take the UAV's height above the helicopter [m], NaN for unknown."""
-        self.outlook.above_m = above_m
+    def set_altitudes(self, uav_m: float, helicopter_m: float) -> None:
+        """Take the altitudes of UAV and helicopter [m], NaN for unknown."""
+        self.outlook.altitude_m = uav_m
+        self.outlook.above_m = uav_m - helicopter_m
 
     def set_uploaded(self, list_id: int) -> None:
         """Take note that the autopilot flies a list."""

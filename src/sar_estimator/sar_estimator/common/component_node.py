@@ -33,13 +33,13 @@ CLOCK_STEP_S = 1.0
 
 def publisher(node: Node, topic: str, wires: Mapping[str, Wire] = WIRES) -> Any:
     """Return a node's publisher of a topic, as the table has it."""
-    wire = wires[topic]
+    wire = wires[topics.plain(topic)]
     return node.create_publisher(wire.kind, topics.name_of(topic), QUALITIES[wire.quality])
 
 
 def subscribe(node: Node, topic: str, callback: Callable[[Any], None]) -> None:
     """Have a node listen to a topic, as the table has it."""
-    wire = WIRES[topic]
+    wire = WIRES[topics.plain(topic)]
     node.create_subscription(wire.kind, topics.name_of(topic), callback, QUALITIES[wire.quality])
 
 
@@ -74,7 +74,7 @@ class ComponentNode(Node):
         return now_s(self)
 
     def _taker(self, topic: str) -> Callable[[Any], None]:
-        wire = WIRES[topic]
+        wire = WIRES[topics.plain(topic)]
 
         def take(message: Any) -> None:
             try:

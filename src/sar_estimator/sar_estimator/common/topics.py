@@ -65,6 +65,26 @@ COMMON = frozenset(
 """The topics that all UAVs' nodes share, whatever their namespace."""
 
 
+OF_UAV = (
+    frozenset(
+        value for key, value in list(globals().items()) if key.isupper() and isinstance(value, str)
+    )
+    - COMMON
+)
+"""The topics and services that every UAV has its own of."""
+
+
 def name_of(topic: str) -> str:
-    """Return a topic or service as a node names it: relative, but for what all UAVs share."""
-    return topic if topic in COMMON else topic.removeprefix("/")
+    """Return a topic or service as a node names it: relative, where it is of its own UAV."""
+    return topic.removeprefix("/") if topic in OF_UAV else topic
+
+
+def of_uav(topic: str, name: str) -> str:
+    """Return a topic of a named UAV; what all share, or is another one's already, as it is."""
+    return f"/{name}{topic}" if name and topic in OF_UAV else topic
+
+
+def plain(topic: str) -> str:
+    """Return a topic without the name of the UAV that it is of."""
+    rest = "/" + topic[1:].partition("/")[2]
+    return rest if rest in OF_UAV else topic

@@ -4,12 +4,20 @@ from __future__ import annotations
 
 
 def trimmed_mps(
-    lag_m: float, speed_mps: float, *, gain: float, trim: float, off_mps: float = 0.0
+    lag_m: float,
+    speed_mps: float,
+    *,
+    gain: float,
+    trim: float,
+    faster: float = 0.0,
+    off_mps: float = 0.0,
 ) -> float:
     """Return the ground speed [m/s] that takes out a lag [m]: V + off + gain L.
 
     ``off_mps``: by how much the helicopter is faster at present than V. It and the correction are
-    each kept within V ``trim``, so that a lag is still taken out behind who flies fast for a while.
+    each kept within V ``trim``, so that a lag is still taken out behind who flies fast for a while;
+    the correction may be up to V ``faster`` upwards.
     """
     most = trim * speed_mps
-    return speed_mps + min(max(off_mps, -most), most) + min(max(gain * lag_m, -most), most)
+    upwards = max(trim, faster) * speed_mps
+    return speed_mps + min(max(off_mps, -most), most) + min(max(gain * lag_m, -most), upwards)

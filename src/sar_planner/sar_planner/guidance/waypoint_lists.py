@@ -66,14 +66,16 @@ class WaypointLists:
     """Makes lists for the autopilot that flies them, and knows which slot track was listed last.
 
     ``tuning``: of an L1-guided autopilot's guidance; None for one that flies the waypoints'
-    polygon. ``air``: the UAV's airspeeds and the wind.
+    polygon. ``air``: the UAV's airspeeds and the wind. ``side``: of the helicopter on which the UAV
+    has its place, 1 right, -1 left.
     """
 
     def __init__(self, corner: CornerParameters, parameters: MissionParameters) -> None:
         """Nothing is listed yet."""
         self._p = parameters
         apart = corner.separation_m + parameters.loiter_radius_m + parameters.separation_margin_m
-        self._aside_m = -parameters.turn_side * max(0.0, apart - corner.spacing_m)
+        self._aside_m = max(0.0, apart - corner.spacing_m)
+        self.side: int = parameters.turn_side
         self.tuning: L1Tuning | None = None
         self.air = AirEnvelope()
         self._listed: Pose | None = None
@@ -98,11 +100,11 @@ class WaypointLists:
         self._listed = None
 
     def loiter(self, track: Pose, along_m: float) -> tuple[float, float]:
-        """Return where a list ends: ``along_m`` [m] down a slot track, to its inside.
+        """Return where a list ends: ``along_m`` [m] down a slot track, away from the helicopter.
 
         A UAV that hears nothing more circles there, apart from a helicopter that flies on.
         """
-        there = track.offset(along_m, self._aside_m)
+        there = track.offset(along_m, -self.side * self._aside_m)
         return there.x_m, there.y_m
 
     def along(

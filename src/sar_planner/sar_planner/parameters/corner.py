@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Annotated
 
 from pydantic import Field
@@ -41,6 +42,13 @@ class CornerParameters:
     min_clearance_s: Positive = 10.0
     taylor_y_m: Positive | None = None
     min_separation_m: Positive | None = None
+
+    def beside(self, tracks: int) -> CornerParameters:
+        """Return the parameters of a slot so many tracks beside: its distance in ``spacing_m``."""
+        if tracks == 1:
+            return self
+        least_m = self.separation_m
+        return replace(self, spacing_m=tracks * self.spacing_m, min_separation_m=least_m)
 
     @property
     def separation_m(self) -> float:

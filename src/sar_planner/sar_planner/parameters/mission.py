@@ -15,7 +15,8 @@ from sar_estimator.common.checked import (
     Share,
     Side,
 )
-from sar_planner.patterns.legs import PatternKind
+from sar_planner.patterns.legs import PatternKind, PatternTerms
+from sar_planner.patterns.slot import Slot, SlotSide, SlotTracks
 
 
 @dataclass(frozen=True, slots=True, config=CHECKED)
@@ -25,6 +26,14 @@ class MissionParameters:
     pattern: expanding_square, sector, parallel_track, creeping_line, track_line or
         track_line_return: what is expected of the helicopter, leg by leg.
     turn_side: to which side its first leg ends, 1 right, -1 left.
+    first_leg_m: of the pattern: the first leg of an expanding square, the radius of a sector
+        search, the search legs of the others; 0 for not known.
+    track_spacing_m: of the pattern: between the helicopter's neighbouring tracks.
+    slot_side: inside or outside of the turn at a leg's end, or always to the right or left of the
+        helicopter.
+    slot_tracks: the slot's distance from the helicopter's track, over `spacing_m`.
+    layer_separation_m: UAVs that are at least so much apart in altitude need not be so
+        horizontally (deadbeat).
     rules: deadbeat, paper, or follow.
     arc_spacing_m: between waypoints on arcs; 0 for arc ends only.
     guide_spacing_m: between waypoints where the guide of an L1-guided autopilot bends.
@@ -42,6 +51,8 @@ class MissionParameters:
     accel_range: its decelerations, relative to a; a corner that is rolled is told as a short
         stop.
     speed_trim: share of V by which the UAV may be asked to fly faster or slower (deadbeat).
+    outside_speed_up: share of V by which a UAV outside of the turns may be asked to fly faster, in
+        them and on legs: it has the longer way (deadbeat).
     corner_speed_up: share of V by which it flies faster in weaves, at most speed_trim.
     trim_gain: speed asked for per metre of lag, 1/s (deadbeat).
     trim_follow: share of what the helicopter flies faster now than on average that is asked for
@@ -104,6 +115,22 @@ class MissionParameters:
     orbit_radius_m: Positive = 300.0
     same_mark_m: NotNegative = 100.0
     pattern: PatternKind = "expanding_square"
+    first_leg_m: NotNegative = 0.0
+    track_spacing_m: NotNegative = 500.0
+    slot_side: SlotSide = "inside"
+    slot_tracks: SlotTracks = 1
+    layer_separation_m: Positive = 30.0
+    outside_speed_up: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.4
+
+    @property
+    def terms(self) -> PatternTerms:
+        """The pattern."""
+        return PatternTerms(self.pattern, self.turn_side, self.first_leg_m, self.track_spacing_m)
+
+    @property
+    def slot(self) -> Slot:
+        """The UAV's place in the formation."""
+        return Slot(self.slot_side, self.slot_tracks)
 
     def __post_init__(self) -> None:
         """Refuse values that do not go together, naming them."""

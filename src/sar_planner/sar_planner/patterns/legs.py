@@ -33,13 +33,48 @@ class Leg(NamedTuple):
     turn_rad: float
 
 
-def turn_after(kind: PatternKind, side: int, leg: int) -> float:
-    """Return the turn at the end of a leg (from 0), left positive [rad]; see ``legs_of``."""
-    if kind == "sector":
-        return -side * SECTOR_RAD
-    back = kind in ("parallel_track", "creeping_line") and leg // 2 % 2 == 1
-    back = back or (kind == "track_line_return" and leg > 1)
-    return (side if back else -side) * RIGHT_ANGLE_RAD
+class PatternTerms(NamedTuple):
+    """A pattern by the manual's terms, as far as they are known.
+
+    ``side``: to which its first leg ends, 1 right, -1 left. ``leg_m``: the first leg of an
+    expanding square, the radius of a sector search, the search legs of the others; ``spacing_m``:
+    between the helicopter's neighbouring tracks; 0 for not known.
+    """
+
+    kind: PatternKind = "expanding_square"
+    side: int = 1
+    leg_m: float = 0.0
+    spacing_m: float = 0.0
+
+    def turn_after(self, leg: int) -> float:
+        """Return the turn at the end of a leg (from 0), left positive [rad]; see ``legs_of``."""
+        if self.kind == "sector":
+            return -self.side * SECTOR_RAD
+        back = self.kind in ("parallel_track", "creeping_line") and leg // 2 % 2 == 1
+        back = back or (self.kind == "track_line_return" and leg > 1)
+        return (self.side if back else -self.side) * RIGHT_ANGLE_RAD
+
+    @property
+    def turns_one_way(self) -> bool:
+        """Whether all its turns are to one side."""
+        return self.kind in ("expanding_square", "sector")
+
+    def is_cross_leg(self, leg: int) -> bool:
+        """Whether a leg (from 0) leads from one search leg to the next."""
+        return not self.turns_one_way and leg % 2 == 1
+
+    def length_of(self, leg: int) -> float:
+        """Return the length expected of a leg (from 0) [m], 0 where it is not known."""
+        if self.leg_m <= 0.0:
+            return 0.0
+        if self.kind == "expanding_square":
+            return self.leg_m + (leg // 2) * self.spacing_m
+        if self.kind == "sector":  # radius, chord, diameter through the datum, chord, diameter
+            return self.leg_m if leg == 0 or leg % 2 == 1 else 2.0 * self.leg_m
+        return self.leg_m if leg % 2 == 0 else self.spacing_m
+
+
+SQUARE = PatternTerms()
 
 
 def inside_of(turn_rad: float) -> int:
@@ -65,28 +100,9 @@ def legs_of(
     wanted = CORNERS.get(kind, corners)
     if corners != wanted:
         raise ValueError(f"corners = {corners}: expected {wanted} in a {kind}")
-    lengths = {
-        "expanding_square": _square,
-        "sector": _sector,
-    }.get(kind, _back_and_forth)(corners, leg_m, spacing_m)
-    if last_m is not None:
-        lengths[-1] = last_m
-    turns = [turn_after(kind, side, leg) for leg in range(corners)]
-    return [Leg(length, turn) for length, turn in zip(lengths, [*turns, 0.0], strict=True)]
-
-
-def _square(corners: int, leg_m: float, spacing_m: float) -> list[float]:
-    """Return first, first, + spacing, + spacing, + 2 spacing, ..."""
-    return [leg_m + (i // 2) * spacing_m for i in range(corners + 1)]
-
-
-def _sector(corners: int, leg_m: float, _spacing_m: float) -> list[float]:
-    """Return radius, chord, diameter through the datum, chord, diameter, ..., back to the datum."""
-    lengths = [leg_m if i == 0 or i % 2 == 1 else 2.0 * leg_m for i in range(corners + 1)]
-    lengths[-1] = leg_m
-    return lengths
-
-
-def _back_and_forth(corners: int, leg_m: float, spacing_m: float) -> list[float]:
-    """Return search leg, cross leg, search leg, ..."""
-    return [leg_m if i % 2 == 0 else spacing_m for i in range(corners + 1)]
+    terms = PatternTerms(kind, side, leg_m, spacing_m)
+    legs = [Leg(terms.length_of(leg), terms.turn_after(leg)) for leg in range(corners)]
+    last = terms.length_of(corners)
+    if kind == "sector":  # back to the datum
+        last = leg_m
+    return [*legs, Leg(last if last_m is None else last_m, 0.0)]

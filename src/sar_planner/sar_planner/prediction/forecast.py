@@ -13,6 +13,8 @@ from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import Motion
 from sar_planner.paths.flight_path import CornerFrame, FloatArray
 
+LEAST_SPEED_MPS, LEAST_WAY_M = 5.0, 1.0
+
 
 class Stretch(NamedTuple):
     """From ``time_s`` on, constant acceleration along the heading of ``start``."""
@@ -123,6 +125,39 @@ def departing(
     cruise = Stretch(time_s + ramp_s, helicopter.offset(run), speed_mps)
     zero = time_s + ramp_s - run / speed_mps
     return Forecast((first, cruise), helicopter, zero, speed_mps)
+
+
+def along_list(motion: Motion, points: FloatArray, now_s: float, horizon_s: float) -> Forecast:
+    """Return the forecast of another UAV: along a list, shape (n, 2) [m], at its present speed.
+
+    Straight to each waypoint from where it is, for ``horizon_s``; behind the list, straight on.
+    """
+    speed = max(motion.speed_mps, LEAST_SPEED_MPS)
+    here = motion.after(now_s - motion.time_s).pose
+    stretches = [Stretch(now_s, here, speed)]
+    time_s = now_s
+    for x_m, y_m in points[_ahead(points, here) :].tolist():
+        way_m = math.hypot(x_m - here.x_m, y_m - here.y_m)
+        if way_m < LEAST_WAY_M or time_s > now_s + horizon_s:
+            continue
+        heading = math.atan2(y_m - here.y_m, x_m - here.x_m)
+        stretches.append(Stretch(time_s, Pose(here.x_m, here.y_m, heading), speed))
+        here, time_s = Pose(x_m, y_m, heading), time_s + way_m / speed
+    last = stretches[-1]
+    return Forecast(tuple(stretches), last.start, last.time_s, speed)
+
+
+def _ahead(points: FloatArray, here: Pose) -> int:
+    """Return the number of the waypoint that is flown to: that ends the leg nearest to a pose."""
+    if len(points) < 2:
+        return 0
+    at = np.array((here.x_m, here.y_m))
+    ways = np.diff(points, axis=0)
+    square = np.maximum(np.square(ways).sum(axis=1), LEAST_WAY_M**2)
+    share = np.clip(((at - points[:-1]) * ways).sum(axis=1) / square, 0.0, 1.0)
+    off = np.hypot(*(points[:-1] + share[:, None] * ways - at).T)
+    leg = int(np.argmin(off))
+    return leg if leg == 0 and share[0] <= 0.0 else leg + 1
 
 
 def cornering(

@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
+from sar_estimator.common.other_uavs import OtherUavs
 from sar_estimator.common.pose import Pose, wrap_angle
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.paths.flight_path import CornerFrame
-from sar_planner.patterns.legs import PatternKind, inside_of
+from sar_planner.patterns.legs import SQUARE, PatternTerms, inside_of
 from sar_planner.patterns.progress import Progress
+from sar_planner.patterns.slot import INSIDE, Slot
 from sar_planner.prediction.corner_cost import LEAST_TURN_RAD, MOVING_MPS, CornerCost
-from sar_planner.prediction.forecast import Forecast
+from sar_planner.prediction.forecast import Forecast, along_list
 from sar_planner.prediction.helicopter_predictor import HelicopterPredictor
 
 CLOCK_STEP_S = 1.0
 SAME_CORNER_S = 10.0
 STRAY_SIGMAS = 2.0
+OTHERS_STALE_S, OTHERS_HORIZON_S = 15.0, 60.0
 HOVER_MPS, HOVERS_S = 5.0, 10.0
 
 
@@ -27,15 +32,21 @@ class Situation:
     ``corners_seen`` counts the corners told of. ``went_on``: the helicopter had slowed and sped
     up again without having stopped. ``slot``: the slot track of the leg flown last. ``strays_m``:
     by how much it may be beside where it is predicted: the newest leg's line is the less sure the
-    more its pilot wanders.
+    more its pilot wanders. ``others``: UAVs that have the right of way, kept apart from unless
+    ``layer_m`` of altitude does; ``altitude_m``: one's own.
     """
 
     def __init__(
-        self, corner: CornerParameters, turn_side: int, pattern: PatternKind = "expanding_square"
+        self,
+        corner: CornerParameters,
+        terms: PatternTerms = SQUARE,
+        slot: Slot = INSIDE,
     ) -> None:
         """Know nothing yet."""
-        self._corner = corner
-        self.progress = Progress(pattern, turn_side)
+        self.corner = corner
+        self.others, self.layer_m = OtherUavs(()), 0.0
+        self.altitude_m = math.nan
+        self.progress = Progress(terms, slot)
         self._turn_rad = self.progress.here.turn_rad
         self.helicopter: Motion | None = None
         self.uav: Motion | None = None
@@ -137,26 +148,31 @@ class Situation:
     # Derived -----------------------------------------------------------------------------------
 
     def slot_of(self, leg: Pose) -> Pose:
-        """Return the slot track beside a leg: d to the side where the UAV has its place."""
-        side = self.progress.slot_side(leg.heading_rad)
-        return leg.offset(0.0, -side * self._corner.spacing_m)
+        """Return the slot track beside a leg, where the UAV has its place."""
+        return leg.offset(0.0, -self.progress.across(leg.heading_rad) * self.corner.spacing_m)
 
     def slot_frame(self, leg: Pose) -> CornerFrame:
-        """Return the frame of the slot track beside a leg, the helicopter on y = d."""
-        return CornerFrame(self.slot_of(leg), self.progress.slot_side(leg.heading_rad))
+        """Return the frame of the slot track beside a leg, the helicopter on y > 0."""
+        side = 1 if self.progress.across(leg.heading_rad) > 0.0 else -1
+        return CornerFrame(self.slot_of(leg), side)
 
     @property
-    def keeps_inside(self) -> bool:
-        """Whether the UAV is inside of the turn that is expected, and will be after it.
+    def places_m(self) -> tuple[float, float] | None:
+        """The slot's distances before and after the corner ahead [m], inside of its turn positive.
 
-        Then the rules' paths lead to its place: at another angle than a right one, corrected.
+        None where no corner is known.
         """
         stop = self.estimate
         if stop is None:
-            return False
-        turn, heading = self._turn_rad, stop.stop.heading_rad
-        sides = {self.progress.slot_side(h) for h in (heading, heading + turn)}
-        return sides == {self.turn_side}
+            return None
+        heading, scale = stop.stop.heading_rad, self.turn_side * self.corner.spacing_m
+        before, after = (self.progress.across(h) for h in (heading, heading + self._turn_rad))
+        return before * scale, after * scale
+
+    @property
+    def turn_rad(self) -> float:
+        """The turn that is expected at the corner ahead, left positive [rad]."""
+        return self._turn_rad
 
     @property
     def turn_side(self) -> int:
@@ -194,8 +210,8 @@ class Situation:
         """
         if self.helicopter is None:
             return ()
-        return HelicopterPredictor(
-            corner=self._corner,
+        helicopter = HelicopterPredictor(
+            corner=self.corner,
             turn_rad=self._turn_rad,
             helicopter=self.helicopter,
             phase=self.phase,
@@ -204,3 +220,19 @@ class Situation:
             is_predicted=self._is_predicted,
             went_on=self.went_on,
         ).forecasts(now_s)
+        return (*helicopter, *self._of_others(now_s)) if helicopter else ()
+
+    def _of_others(self, now_s: float) -> list[Forecast]:
+        """Return the motions of the UAVs that have the right of way, and are in this layer."""
+        near = self.others.near(
+            now_s, self.altitude_m, layer_m=self.layer_m, stale_s=OTHERS_STALE_S
+        )
+        return [
+            along_list(
+                one.motion,
+                np.empty((0, 2)) if one.flown is None else one.flown.points,
+                now_s,
+                OTHERS_HORIZON_S,
+            )
+            for one in near
+        ]

@@ -25,7 +25,8 @@ HALF_PI = math.pi / 2.0
 class Rule(enum.StrEnum):
     """The path rules: T1 to T4 in the paper's numbering, D1 to D4 of the deadbeat set.
 
-    RJ stands for a corner that is begun from anywhere but the slot track.
+    O1 to O3 lead to a place outside of the turn. RJ stands for a corner that is begun from anywhere
+    but the slot track.
     """
 
     T1 = "T1"
@@ -36,6 +37,9 @@ class Rule(enum.StrEnum):
     D2 = "D2"
     D3 = "D3"
     D4 = "D4"
+    O1 = "O1"
+    O2 = "O2"
+    O3 = "O3"
     RJ = "RJ"
 
     @property
@@ -50,8 +54,15 @@ class Rule(enum.StrEnum):
             Rule.D2: "adjustable curve",
             Rule.D3: "outside loop",
             Rule.D4: "weave",
+            Rule.O1: "outer corner",
+            Rule.O2: "outer corner cut",
+            Rule.O3: "over to the outside",
             Rule.RJ: "rejoin",
         }[self]
+
+
+OUTSIDE = (Rule.O1, Rule.O2, Rule.O3)
+"""The rules that lead to a place outside of the turn."""
 
 
 class NoPathError(ValueError):

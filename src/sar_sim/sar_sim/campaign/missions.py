@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sar_planner.patterns.progress import sides_of
+from sar_planner.patterns.legs import PatternTerms
+from sar_planner.patterns.progress import places_of
 from sar_planner.strategies.active_corner import ActiveCorner
 from sar_sim.campaign.detection import matched
 from sar_sim.flight.offline import OfflineFlight
-from sar_sim.report.coverage import Coverage, ideal_tracks, measure
+from sar_sim.report.coverage import Coverage, IdealSlot, ideal_tracks, measure
 from sar_sim.scenario.scenario import Scenario
 from sar_sim.world.helicopter import CornerTruth
 from sar_sim.world.world import World
 
 COVERED_FROM_CORNER = 3
+COVERED_FROM_CROSS = 2
 TRACK_LOOKS = 2
 SAME_CORNER_S = 15.0
+LAYER_APART_M = 30.0
 
 
 @dataclass(frozen=True)
@@ -31,10 +35,11 @@ class Mission:
     ``lags_m``: true L(k) at every corner's onset; ``predicted_m``: L(k+1) as the path for corner k
     was planned last, NaN where none was; ``rules``: of those paths. ``separation_m``: the closest
     approach, at ``separation_s``. Coverage, ``reached_percent`` (that of what the helicopter's
-    own track allows) and overlap [%] and the area seen [km^2] count from the third corner on,
-    over ``covered_s``. ``false_corners``: predicted where there was none. ``alerts``: the
-    monitor's, and lists passed and refused, counted; ``problems``: what the planner said, without
-    numbers.
+    own track allows) and overlap [%] and the area seen [km^2] count from ``covered_from``
+    on, over ``covered_s``. ``false_corners``: predicted where there was none. ``alerts``: the
+    monitors', and lists passed and refused, counted; ``problems``: what the planner said, without
+    numbers. Lags, rules and problems are the first UAV's; ``others_lags_m``: of the others.
+    ``uavs_apart_m``: the least of two UAVs in one layer.
     """
 
     seed: int
@@ -54,6 +59,8 @@ class Mission:
     flown_s: float
     alerts: dict[str, int]
     problems: frozenset[str]
+    others_lags_m: tuple[tuple[float, ...], ...] = ()
+    uavs_apart_m: float = math.inf
 
     @property
     def extra_m(self) -> tuple[float, ...]:
@@ -65,42 +72,58 @@ class Mission:
 
     @property
     def rate_km2_per_h(self) -> float:
-        """The area seen in an hour, from the third corner on [km^2/h]."""
+        """The area seen in an hour, from ``covered_from`` on [km^2/h]."""
         return 3600.0 * self.seen_km2 / self.covered_s if self.covered_s > 0.0 else math.nan
 
 
 class Observer:
-    """Watches a world: true lags at every onset, the least separation, both tracks."""
+    """Watches a world: true lags at every onset, the least separations, all tracks.
+
+    ``lags_m``: of every UAV. ``separation_m``: the least to the helicopter, at ``separation_s``;
+    ``uavs_apart_m``: the least of two UAVs in one layer.
+    """
 
     def __init__(self, world: World) -> None:
         """Nothing is seen yet."""
         self._corners = list(world.corners)
         self._looks = 0
-        self._track: list[tuple[float, float, float, float]] = []
-        self.lags_m: list[float] = []
-        self.separation_m = math.inf
+        self._track: list[tuple[float, ...]] = []
+        self._layers = list(pairs_in_one_layer(world.scenario))
+        self.lags_m: list[list[float]] = [[] for _ in world.autopilots]
+        self.separation_m = self.uavs_apart_m = math.inf
         self.separation_s = 0.0
 
     @property
     def track(self) -> np.ndarray:
-        """The helicopter's and the UAV's positions at every second look, shape (n, 4) [m]."""
-        return np.array(self._track).reshape(-1, 4)
+        """The helicopter's and the UAVs' positions at every second look, shape (n, 2 + 2 u) [m]."""
+        return np.array(self._track)
 
     def __call__(self, world: World) -> None:
         """Look at the present state."""
         assert world.helicopter is not None
-        uav, helicopter = world.autopilot.state, world.helicopter.motion(world.time_s)
-        apart = math.hypot(uav.x_m - helicopter.x_m, uav.y_m - helicopter.y_m)
+        helicopter = world.helicopter.motion(world.time_s)
+        uavs = [(one.state.x_m, one.state.y_m) for one in world.autopilots.values()]
+        apart = min(math.hypot(x - helicopter.x_m, y - helicopter.y_m) for x, y in uavs)
         if apart < self.separation_m:
             self.separation_m, self.separation_s = apart, world.time_s
+        for i, j in self._layers:
+            self.uavs_apart_m = min(self.uavs_apart_m, math.dist(uavs[i], uavs[j]))
         self._looks += 1
         if self._looks % TRACK_LOOKS == 0:
-            self._track.append((helicopter.x_m, helicopter.y_m, uav.x_m, uav.y_m))
+            self._track.append((helicopter.x_m, helicopter.y_m, *itertools.chain(*uavs)))
         while self._corners and self._corners[0].onset_time_s <= world.time_s:
             corner = self._corners.pop(0)
-            speed = world.autopilot.motion.speed_mps
-            since = speed * (world.time_s - corner.onset_time_s)
-            self.lags_m.append(since - corner.onset.along(uav.x_m, uav.y_m))
+            for lags, one in zip(self.lags_m, world.autopilots.values(), strict=True):
+                since = one.motion.speed_mps * (world.time_s - corner.onset_time_s)
+                lags.append(since - corner.onset.along(one.state.x_m, one.state.y_m))
+
+
+def pairs_in_one_layer(scenario: Scenario) -> Iterator[tuple[int, int]]:
+    """Yield the numbers of the UAVs that altitude does not keep apart."""
+    altitudes = [scenario.altitude_m(i) for i in range(len(scenario.formation))]
+    for i, j in itertools.combinations(range(len(altitudes)), 2):
+        if abs(altitudes[i] - altitudes[j]) < LAYER_APART_M:
+            yield i, j
 
 
 def seeded(scenario: Scenario, seed: int, lags_m: tuple[float, float] | None) -> Scenario:
@@ -116,23 +139,30 @@ def seeded(scenario: Scenario, seed: int, lags_m: tuple[float, float] | None) ->
     )
 
 
-def covered(world: World, track: np.ndarray) -> Coverage:
-    """Return what was seen of what the ideal formation sees from the third corner on.
+def covered_from(terms: PatternTerms) -> int:
+    """Return the corner from which on coverage counts: where the next leg is a search leg."""
+    return COVERED_FROM_CORNER if terms.turns_one_way else COVERED_FROM_CROSS
 
-    ``track``: helicopter's and UAV's positions, shape (n, 4).
+
+def covered(world: World, track: np.ndarray) -> Coverage:
+    """Return what was seen of what the ideal formation sees from ``covered_from`` on.
+
+    ``track``: helicopter's and UAVs' positions, shape (n, 2 + 2 u).
     """
     scenario = world.scenario
-    pattern = scenario.pattern
-    stops = [corner.crossing_m for corner in world.corners[COVERED_FROM_CORNER - 1 :]]
-    ideal = ideal_tracks(
-        np.vstack((*stops, track[-1, :2])),
-        spacing_m=scenario.corner.spacing_m,
-        sides=sides_of(pattern.kind, pattern.turn_side, COVERED_FROM_CORNER, len(stops)),
-    )
+    terms = scenario.pattern.terms
+    first = covered_from(terms)
+    stops = [corner.crossing_m for corner in world.corners[first - 1 :]]
+    slots = [
+        IdealSlot([scenario.corner.spacing_m * place for place in places])
+        for places in (
+            places_of(terms, first, len(stops), member.slot) for member in scenario.formation
+        )
+    ]
     return measure(
         track[:, :2],
-        track[:, 2:],
-        ideal,
+        [track[:, 2 * i : 2 * i + 2] for i in range(1, len(slots) + 1)],
+        ideal_tracks(np.vstack((*stops, track[-1, :2])), slots),
         radius_m=scenario.sensor.radius_m,
         footprint=scenario.sensor.footprint,
     )
@@ -161,15 +191,16 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
     flight.run(observe=observe)
     world = flight.world
     coverage, reached, overlap, seen_km2, covered_s = math.nan, math.nan, math.nan, math.nan, 0.0
-    if len(world.corners) >= COVERED_FROM_CORNER:
+    first = covered_from(scenario.pattern.terms)
+    if len(world.corners) >= first:
         area = covered(world, seen.track)
         coverage, overlap = area.percent, area.overlap_percent
         reached = area.reached_percent
         seen_km2 = area.covered_m2 / 1e6
-        covered_s = world.time_s - world.corners[COVERED_FROM_CORNER - 1].stop_time_s
+        covered_s = world.time_s - world.corners[first - 1].stop_time_s
     return Mission(
         scenario.gps.seed,
-        tuple(seen.lags_m),
+        tuple(seen.lags_m[0]),
         tuple(_first_predicted_s(corner, planned.values()) for corner in world.corners),
         tuple(str(planned[k].plan.rule) for k in sorted(planned)),
         seen.separation_m,
@@ -183,9 +214,19 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
         0 if flight.planner.list is None else flight.planner.list.number,
         matched(world.corners, predicted)[1],
         world.time_s,
-        {str(name): count for name, count in flight.monitor.counts.items()},
+        _counted(flight),
         frozenset(problems),
+        tuple(tuple(lags) for lags in seen.lags_m[1:]),
+        seen.uavs_apart_m,
     )
+
+
+def _counted(flight: OfflineFlight) -> dict[str, int]:
+    """Return the alerts of all monitors."""
+    total = Counter[str]()
+    for chain in flight.chains:
+        total.update({str(name): count for name, count in chain.monitor.monitor.counts.items()})
+    return dict(total)
 
 
 def _first_predicted_s(corner: CornerTruth, planned: Iterable[ActiveCorner]) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from sar_estimator.common import topics
 from sar_estimator.common.component import NOTICES, Component, Outputs
@@ -15,16 +15,24 @@ from sar_sim.world.gps import Reception
 Listener = Callable[[Any], None]
 
 
+class Joined(NamedTuple):
+    """A component, and the name of the UAV that it is of: its namespace."""
+
+    component: Component
+    uav: str = ""
+
+
 class Bus:
     """Every value goes to all components that listen to its topic, at once and in their order.
 
     ``now_s``: the clock [s], to be set. ``record``: is called with everything that is published,
-    before it is handed on. ``listeners``: others than components, by topic.
+    before it is handed on. ``listeners``: others than components, by topic. Topics are those of the
+    graph: what is of a UAV with a name begins with it.
     """
 
     def __init__(
         self,
-        components: Sequence[Component],
+        joined: Sequence[Joined],
         *,
         record: Callable[[str, Any], None] | None = None,
         listeners: dict[str, Listener] | None = None,
@@ -32,47 +40,49 @@ class Bus:
         """Join components."""
         self.now_s = 0.0
         self._record = record
-        self._takers: dict[str, list[Component]] = {}
-        for component in components:
-            for topic in component.inputs:
-                self._takers.setdefault(topic, []).append(component)
+        self._takers: dict[str, list[tuple[Joined, str]]] = {}
+        for one in joined:
+            for topic in one.component.inputs:
+                taker = self._takers.setdefault(topics.of_uav(topic, one.uav), [])
+                taker.append((one, topic))
         self._listeners = listeners or {}
 
-    def publish(self, topic: str, value: Any) -> None:
-        """Hand a value to whoever listens, and what comes of that in turn."""
+    def publish(self, topic: str, value: Any, uav: str = "") -> None:
+        """Hand a value of a UAV to whoever listens, and what comes of that in turn."""
         if topic == NOTICES:
             return
+        full = topics.of_uav(topic, uav)
         if self._record is not None:
-            self._record(topic, value)
-        if topic in self._listeners:
-            self._listeners[topic](value)
-        takers = self._takers.get(topic)
+            self._record(full, value)
+        if full in self._listeners:
+            self._listeners[full](value)
+        takers = self._takers.get(full)
         if takers:
             carried = WIRES[topic].carried(value)
-            for component in takers:
-                self.publish_all(component.handle(topic, carried, self.now_s))
+            for one, name in takers:
+                self.publish_all(one.component.handle(name, carried, self.now_s), one.uav)
 
-    def publish_all(self, outputs: Outputs) -> None:
+    def publish_all(self, outputs: Outputs, uav: str = "") -> None:
         """Hand on all of a component's outputs."""
         for topic, value in outputs:
-            self.publish(topic, value)
+            self.publish(topic, value, uav)
 
-    def start(self, components: Iterable[Component]) -> None:
+    def start(self, joined: Iterable[Joined]) -> None:
         """Publish what components tell before anything is known."""
-        for component in components:
-            self.publish_all(component.start(self.now_s))
+        for component, uav in joined:
+            self.publish_all(component.start(self.now_s), uav)
 
-    def tick(self, component: Component) -> None:
+    def tick(self, component: Component, uav: str = "") -> None:
         """Have a component do what is due."""
-        self.publish_all(component.tick(self.now_s))
+        self.publish_all(component.tick(self.now_s), uav)
 
     def receive(self, reception: Reception) -> None:
         """Publish what the helicopter's receiver gave."""
         self.publish_all(reception.told())
 
-    def tell_uav(self, autopilot: SimAutopilot) -> None:
-        """Publish the UAV's telemetry."""
-        self.publish(topics.WIND, autopilot.wind_estimate_mps)
+    def tell_uav(self, autopilot: SimAutopilot, uav: str = "") -> None:
+        """Publish a UAV's telemetry."""
+        self.publish(topics.WIND, autopilot.wind_estimate_mps, uav)
         motion = autopilot.motion.stamped(self.now_s)
         report = UavReport(motion, autopilot.state.heading_rad, autopilot.altitude_m)
-        self.publish(topics.UAV_ODOMETRY, report)
+        self.publish(topics.UAV_ODOMETRY, report, uav)

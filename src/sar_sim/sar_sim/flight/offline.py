@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,7 +17,7 @@ from sar_estimator.common.component import Component
 from sar_estimator.common.conversions import stamped_s
 from sar_estimator.common.gps_fix import Fix
 from sar_estimator.common.pose import Pose
-from sar_estimator.common.reports import Target, UavStatus, Uploaded, WaypointList
+from sar_estimator.common.reports import Target
 from sar_estimator.common.states import Motion
 from sar_estimator.common.wires import Quality
 from sar_estimator.estimation.component import EstimatorComponent
@@ -26,10 +26,10 @@ from sar_planner.component import PlannerComponent
 from sar_planner.mission_planner import MissionPlanner
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
-from sar_planner.strategies.active_corner import Mode
-from sar_sim.autopilot.presets import parameter_values
-from sar_sim.flight.bus import Bus
+from sar_sim.flight.bus import Bus, Joined, Listener
+from sar_sim.flight.chain import Chain
 from sar_sim.flight.upload import SimulatedBridge
+from sar_sim.scenario.formation import Member
 from sar_sim.scenario.scenario import Find, Scenario
 from sar_sim.world.detour import found_beside, place
 from sar_sim.world.finder import Finder
@@ -49,23 +49,36 @@ def message_kind(message: Any) -> str:
     return f"{package}/msg/{type(message).__name__}"
 
 
-def mission_parameters(scenario: Scenario, *, rules: str) -> MissionParameters:
-    """Return the planner's parameters that a scenario prescribes."""
+def mission_parameters(
+    scenario: Scenario, *, rules: str, member: Member | None = None
+) -> MissionParameters:
+    """Return the planner's parameters that a scenario prescribes for a UAV, the first one."""
+    member = scenario.formation[0] if member is None else member
+    pattern = scenario.pattern
     return MissionParameters(
-        turn_side=scenario.pattern.turn_side,
-        pattern=scenario.pattern.kind,
+        turn_side=pattern.turn_side,
+        pattern=pattern.kind,
+        first_leg_m=pattern.first_leg_m,
+        track_spacing_m=pattern.track_spacing_m,
+        slot_side=member.side,
+        slot_tracks=member.tracks,
         rules=rules,
         arc_spacing_m=scenario.arc_spacing_m,
     )
 
 
 def monitor_for(
-    corner: CornerParameters, turn_side: Side, *, watch_only: bool = False
+    corner: CornerParameters,
+    turn_side: Side,
+    *,
+    watch_only: bool = False,
+    others: Sequence[str] = (),
 ) -> MonitorComponent:
-    """Return the monitor of a mission, as the launcher sets it up."""
+    """Return the monitor of a UAV's mission, as the launcher sets it up."""
     return MonitorComponent(
         MonitorParameters(min_separation_m=corner.separation_m, watch_only=watch_only),
         HelicopterModel(corner.speed_mps, corner.accel_mps2, turn_side),
+        others=others,
     )
 
 
@@ -85,7 +98,8 @@ class OfflineFlight:
     """One mission.
 
     ``truth`` replaces the estimator by the helicopter's true state. ``watch_only``: the monitor
-    says what it sees and does nothing.
+    says what it sees and does nothing. ``chains``: what leads each UAV, the formation's first one
+    first.
     """
 
     def __init__(
@@ -102,48 +116,66 @@ class OfflineFlight:
         """Set everything up. Raises ``ValueError`` for a mission that cannot be flown."""
         self.world = world = World(scenario, track)
         self._bag = bag
-        mission = mission_parameters(scenario, rules=rules)
         self._helicopter: Component
         self._truth = truth
         if truth:
             if world.helicopter is None:
                 raise ValueError("truth: expected a simulated helicopter, not a recorded track")
             self._helicopter = TruthComponent(world.helicopter, world.datum)
-            mission = replace(mission, reaction_s=0.0)
         else:
             parameters = estimator_parameters or EstimatorParameters()
             self._helicopter = EstimatorComponent(parameters, world.datum)
-        self._planner = PlannerComponent(scenario.corner, mission)
-        self._monitor = monitor_for(
-            scenario.corner, scenario.pattern.turn_side, watch_only=watch_only
-        )
-        self._components = (self._helicopter, self._planner, self._monitor)
-        self._bridge = SimulatedBridge(
-            world.autopilot,
-            world.datum,
-            altitude_m=scenario.sensor.altitude_m,
-            item_s=scenario.uav.item_s,
-        )
+        self.chains = [
+            self._chain(i, rules, watch_only=watch_only) for i in range(len(scenario.formation))
+        ]
+        joined = [Joined(self._helicopter)]
+        listeners: dict[str, Listener] = {}
+        for chain in self.chains:
+            joined += chain.joined
+            listeners |= chain.listeners
+        self._joined = tuple(joined)
         self._bus = Bus(
-            self._components,
-            record=None if bag is None else self._record,
-            listeners={topics.CLEARED: self._bridge.take, topics.SPEED: self._set_airspeed},
+            self._joined, record=None if bag is None else self._record, listeners=listeners
         )
         self._finder = Finder(scenario.finds)
-        self._published_mode = ""
         self._corners = list(world.corners)
         self._steps = 0
         self._bus.now_s = self._clock_s()
 
+    def _chain(self, number: int, rules: str, *, watch_only: bool) -> Chain:
+        """Return what leads the formation's UAV of a number."""
+        world, scenario = self.world, self.world.scenario
+        member = scenario.formation[number]
+        mission = mission_parameters(scenario, rules=rules, member=member)
+        if self._truth:
+            mission = replace(mission, reaction_s=0.0)
+        autopilot = world.autopilots[member.name]
+        bridge = SimulatedBridge(
+            autopilot,
+            world.datum,
+            altitude_m=scenario.altitude_m(number),
+            item_s=scenario.uav.item_s,
+        )
+        names = [one.name for one in scenario.formation]
+        others = [*names[:number], *names[number + 1 :]]
+        side = scenario.pattern.turn_side
+        return Chain(
+            member.name,
+            PlannerComponent(scenario.corner, mission, yields_to=names[:number]),
+            monitor_for(scenario.corner, side, watch_only=watch_only, others=others),
+            bridge,
+            autopilot,
+        )
+
     @property
     def planner(self) -> MissionPlanner:
-        """The planner."""
-        return self._planner.planner
+        """The first UAV's planner."""
+        return self.chains[0].mission
 
     @property
     def monitor(self) -> SeparationMonitor:
-        """The monitor."""
-        return self._monitor.monitor
+        """The first UAV's monitor."""
+        return self.chains[0].monitor.monitor
 
     @property
     def estimator(self) -> Any:
@@ -162,11 +194,10 @@ class OfflineFlight:
         observe: Callable[[World], None] | None = None,
     ) -> None:
         """Fly to the end; ``progress`` is told once a simulated second, ``observe`` every tick."""
-        self._bus.start(self._components)
+        self._bus.start(self._joined)
         self._record(topics.SCENARIO, self.world.scenario)
-        parameters = parameter_values(self.world.scenario.uav)
-        if parameters:
-            self._bus.publish(topics.AUTOPILOT, parameters)
+        for chain in self.chains:
+            chain.start(self._bus)
         while not self.world.finished:
             self._step()
             if observe is not None and self._steps % STEPS_PER_TICK == 0:
@@ -187,33 +218,35 @@ class OfflineFlight:
 
     def _record(self, topic: str, value: Any) -> None:
         if self._bag is not None:
-            message = ALL_WIRES[topic].to_message(value, self._bus.now_s)
+            plain = topics.plain(topic)
+            message = ALL_WIRES[plain].to_message(value, self._bus.now_s)
             kind = message_kind(message)
             data = serialised(kind, message)
-            self._bag.write(topic, kind, data, self._bus.now_s, latched=topic in LATCHED)
+            self._bag.write(topic, kind, data, self._bus.now_s, latched=plain in LATCHED)
 
     def _step(self) -> None:
         receptions = self.world.step()
         bus = self._bus
         bus.now_s = self._clock_s()
         self._steps += 1
-        arrived = self._bridge.step(self.world.time_s)
-        if arrived is not None:
-            self._tell_uploaded(arrived)
+        for chain in self.chains:
+            chain.step(bus, self.world.time_s)
         while self._corners and self._corners[0].onset_time_s <= self.world.time_s:
             self._record(topics.TRUE_CORNER, self._corners.pop(0))
         for reception in receptions:
             bus.receive(reception)
         if self.world.scenario.finds:
             self._find()
-        if self._truth or receptions or self._steps % STEPS_PER_TICK == 0:
+        decides = self._truth or receptions or self._steps % STEPS_PER_TICK == 0
+        if decides:
             self._tell_motions()
-            self._decide()
-        if self._bag is not None and self._steps % STEPS_PER_STATUS == 0:
-            bus.publish_all(self._planner.report(bus.now_s))
-            bus.publish(topics.DIAGNOSTICS, self._planner.health(bus.now_s))
-        if self._steps % STEPS_PER_GUARD == 0:
-            bus.tick(self._monitor)
+        for chain in self.chains:
+            if decides:
+                chain.decide(bus)
+            if self._bag is not None and self._steps % STEPS_PER_STATUS == 0:
+                chain.report(bus)
+            if self._steps % STEPS_PER_GUARD == 0:
+                chain.guard(bus)
 
     def _find(self) -> None:
         """Do what is due of the scenario's finds."""
@@ -226,9 +259,7 @@ class OfflineFlight:
             self._bus.publish(what, Target(self._bus.now_s, mark.x_m, mark.y_m))
             self._finder.granted()
             return
-        answer = self._planner.services[what](self._bus.now_s)
-        self._bus.publish_all(answer.outputs)
-        if answer.success:
+        if self.chains[0].ask(self._bus, what).success:
             self._finder.granted()
 
     def _found_at(self, find: Find) -> Pose:
@@ -239,31 +270,11 @@ class OfflineFlight:
         estimated = self.planner.situation.helicopter or Motion(0.0, 0.0, 0.0, 0.0, 0.0)
         return place(find, estimated, estimated.course_rad)
 
-    def _tell_uploaded(self, arrived: WaypointList) -> None:
-        self._bus.publish(topics.UPLOADED, Uploaded(arrived.list_id, len(arrived.points)))
-
     def _tell_motions(self) -> None:
-        """Tell where both aircraft are; the helicopter, for which all wait, last."""
-        autopilot = self.world.autopilot
+        """Tell where all aircraft are; the helicopter, for which all wait, last."""
         if self._bag is not None:
             for topic, truth in self.world.truth(self._bus.now_s):
                 self._record(topic, truth)
-        if autopilot.mode.name != self._published_mode:
-            self._published_mode = autopilot.mode.name
-            ratio = autopilot.uav.airspeed_ratio
-            status = UavStatus(
-                self._published_mode, armed=True, connected=True, airspeed_ratio=ratio
-            )
-            self._bus.publish(topics.UAV_STATE, status)
-        self._bus.tell_uav(autopilot)
+        for chain in self.chains:
+            chain.tell(self._bus)
         self._bus.tick(self._helicopter)
-
-    def _decide(self) -> None:
-        if self.planner.mode is Mode.IDLE:
-            answer = self._planner.services[topics.ENGAGE](self._bus.now_s)
-            self._bus.publish_all(answer.outputs)
-        else:
-            self._bus.tick(self._planner)
-
-    def _set_airspeed(self, airspeed_mps: float) -> None:
-        self.world.autopilot.airspeed_mps = airspeed_mps

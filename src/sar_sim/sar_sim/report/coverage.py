@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
@@ -19,15 +19,15 @@ FloatArray = NDArray[np.float64]
 ARC_SEGMENTS = 32
 PIECE_POINTS = 500
 SQUARE_STEP_M = 10.0
-LEAST_MITRE = 0.2
+LEAST_CROSSING = 0.05
 LEAST_LEG_M = 1e-3
 
 
 @dataclass(frozen=True)
 class Coverage:
-    """Areas [m^2]: claimed, seen of it, seen by both aircraft; and the gaps as a geometry.
+    """Areas [m^2]: claimed, seen of it, seen by two aircraft or more; and the gaps as a geometry.
 
-    ``possible_m2``: of what is claimed, what a UAV in its ideal place would have left seen beside
+    ``possible_m2``: of what is claimed, what UAVs in their ideal places would have left seen beside
     the helicopter as it really flew; ``reached_m2``: what was seen of that.
     """
 
@@ -51,7 +51,7 @@ class Coverage:
 
     @property
     def overlap_percent(self) -> float:
-        """Area seen by both aircraft / claimed area [%]."""
+        """Area seen by two aircraft or more / claimed area [%]."""
         return 100.0 * self.overlap_m2 / self.claimed_m2
 
 
@@ -97,58 +97,75 @@ def _squares(xy_m: FloatArray, half_m: float) -> list[Polygon]:
     return hulls
 
 
-def ideal_tracks(
-    corners_xy: FloatArray, *, spacing_m: float, sides: Sequence[int]
-) -> tuple[FloatArray, FloatArray]:
+class IdealSlot(NamedTuple):
+    """A UAV's ideal place: how far beside the helicopter on each leg [m], right positive."""
+
+    across_m: Sequence[float]
+
+
+def ideal_tracks(corners_xy: FloatArray, slots: Sequence[IdealSlot]) -> tuple[FloatArray, ...]:
     """Return the ideal formation's tracks with sharp corners, each of shape (n, 2) [m].
 
-    ``corners_xy``: the helicopter's start, corners and end. The UAV flies ``spacing_m`` to a side
-    of each leg, ``sides``: 1 right, -1 left; its corners are where its legs' lines cross, or, where
-    it changes sides, it flies from leg to leg. (A library's offset curve falls apart here: in an
-    expanding square the UAV's strips of two rounds lie side by side.) Points that are the
-    same count once; two or more are needed.
+    ``corners_xy``: the helicopter's start, corners and end; two or more different ones. The
+    helicopter's track is the first, then that of every slot: its corners are where its legs' lines
+    cross. (A library's offset curve falls apart here: in an expanding square the UAV's strips of
+    two rounds lie side by side.) Points that are the same count once.
     """
-    line, legs = np.asarray(corners_xy, dtype=np.float64), np.asarray(sides, dtype=np.float64)
-    ways = np.diff(line, axis=0)
-    lengths = np.hypot(ways[:, 0], ways[:, 1])
-    if lengths.min(initial=math.inf) < LEAST_LEG_M:
-        long = lengths >= LEAST_LEG_M
-        kept = line[np.concatenate(([True], long))]
-        return ideal_tracks(kept, spacing_m=spacing_m, sides=legs[long].tolist())
-    ways /= lengths[:, None]
-    beside = legs[:, None] * np.column_stack((ways[:, 1], -ways[:, 0]))
-    uav = [line[0] + spacing_m * beside[0]]
-    for point, before, after, changes in zip(
-        line[1:-1], beside[:-1], beside[1:], legs[1:] != legs[:-1], strict=True
-    ):
-        if changes:
-            uav += [point + spacing_m * before, point + spacing_m * after]
+    line = np.asarray(corners_xy, dtype=np.float64)
+    lengths = np.hypot(*np.diff(line, axis=0).T)
+    long = lengths >= LEAST_LEG_M
+    if not long.all():
+        kept = [IdealSlot(np.asarray(one.across_m)[long].tolist()) for one in slots]
+        return ideal_tracks(line[np.concatenate(([True], long))], kept)
+    return line, *(_beside(line, lengths, slot) for slot in slots)
+
+
+def _beside(line: FloatArray, lengths: FloatArray, slot: IdealSlot) -> FloatArray:
+    """Return a slot's track beside a helicopter's line, shape (n, 2) [m].
+
+    Where the lines of two legs, beside them by a and b along unit normals m and n, cross:
+    x m = a, x n = b, so x = ((a - b c) m + (b - a c) n) / (1 - c^2), c = m n; from
+    the one to the other where the legs are nearly parallel.
+    """
+    ways = np.diff(line, axis=0) / lengths[:, None]
+    normals = np.column_stack((ways[:, 1], -ways[:, 0]))
+    across = np.asarray(slot.across_m, dtype=np.float64)
+    beside = across[:, None] * normals
+    uav = [line[0] + beside[0]]
+    for i, point in enumerate(line[1:-1]):
+        (m, n), (a, b) = normals[i : i + 2], across[i : i + 2]
+        c = float(m @ n)
+        if 1.0 - c**2 > LEAST_CROSSING:
+            uav.append(point + ((a - b * c) * m + (b - a * c) * n) / (1.0 - c**2))
         else:
-            straightness = max(1.0 + float(before @ after), LEAST_MITRE)
-            uav.append(point + spacing_m * (before + after) / straightness)
-    uav.append(line[-1] + spacing_m * beside[-1])
-    return line, np.array(uav)
+            uav += [point + beside[i], point + beside[i + 1]]
+    uav.append(line[-1] + beside[-1])
+    return np.array(uav)
 
 
 def measure(
     helicopter_xy: FloatArray,
-    uav_xy: FloatArray,
+    uavs_xy: Sequence[FloatArray],
     ideal: tuple[FloatArray, ...],
     *,
     radius_m: float,
     footprint: str,
 ) -> Coverage:
-    """Compare what both aircraft saw with what the ideal formation sweeps."""
+    """Compare what all aircraft saw with what the ideal formation sweeps."""
     swept = [swath(xy, radius_m, footprint=footprint) for xy in ideal]
     claimed = shapely.union_all(swept)
-    first = swath(helicopter_xy, radius_m, footprint=footprint)
-    second = swath(uav_xy, radius_m, footprint=footprint)
-    seen = first.union(second).intersection(claimed)
+    first = seen = swath(helicopter_xy, radius_m, footprint=footprint)
+    twice = shapely.Polygon()
+    for uav_xy in uavs_xy:
+        one = swath(uav_xy, radius_m, footprint=footprint)
+        twice = twice.union(seen.intersection(one))
+        seen = seen.union(one)
+    seen = seen.intersection(claimed)
     possible = shapely.union_all([first, *swept[1:]]).intersection(claimed)
     return Coverage(
         claimed_m2=claimed.area,
         covered_m2=seen.area,
-        overlap_m2=first.intersection(second).intersection(claimed).area,
+        overlap_m2=twice.intersection(claimed).area,
         possible_m2=possible.area,
         reached_m2=seen.intersection(possible).area,
         gaps=claimed.difference(seen),

@@ -9,8 +9,9 @@ import numpy as np
 
 from sar_estimator.common.checked import read
 from sar_estimator.common.pose import Pose
-from sar_planner.patterns.progress import sides_of
-from sar_sim.report.coverage import Coverage, FloatArray, ideal_tracks, measure
+from sar_planner.parameters.mission import MissionParameters
+from sar_planner.patterns.progress import places_of
+from sar_sim.report.coverage import Coverage, FloatArray, IdealSlot, ideal_tracks, measure
 from sar_sim.report.flight_data import FlightData
 from sar_sim.scenario.scenario import Sensor
 from sar_sim.world.helicopter import CornerTruth
@@ -85,17 +86,14 @@ def coverage(data: FlightData) -> Coverage | None:
     sensor = read(Sensor, data.scenario.get("sensor", {}), "sensor", texts=True)
     mission = data.mission
     points = np.vstack((data.helicopter.xy_m[0], stops, data.helicopter.xy_m[-1]))
-    told = mission["mission"]
-    kind, side = told.get("pattern", "expanding_square"), int(told["turn_side"])
-    ideal = ideal_tracks(
-        points,
-        spacing_m=float(mission["corner"]["spacing_m"]),
-        sides=sides_of(kind, side, 0, len(points) - 1),
-    )
+    flown = read(MissionParameters, mission["mission"], "mission", texts=True)
+    spacing_m = float(mission["corner"]["spacing_m"])
+    places = places_of(flown.terms, 0, len(points) - 1, flown.slot)
+    slot = IdealSlot([spacing_m * place for place in places])
     return measure(
         data.helicopter.xy_m,
-        data.uav.xy_m,
-        ideal,
+        (data.uav.xy_m,),
+        ideal_tracks(points, (slot,)),
         radius_m=sensor.radius_m,
         footprint=sensor.footprint,
     )

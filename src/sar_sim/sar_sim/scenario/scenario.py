@@ -23,7 +23,8 @@ from sar_estimator.common.checked import (
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import blown_mps
 from sar_planner.parameters.corner import CornerParameters
-from sar_planner.patterns.legs import CORNERS, PatternKind
+from sar_planner.patterns.legs import CORNERS, PatternKind, PatternTerms
+from sar_sim.scenario.formation import Member, fault_of
 from sar_sim.scenario.presets import AUTOPILOTS, HUMAN, PILOTS, RECEIVERS
 
 # The nodes that lead the UAV: they can fail, and are started again.
@@ -85,6 +86,11 @@ class Pattern:
     start_east_m: float = 0.0
     start_north_m: float = 0.0
     kind: PatternKind = "expanding_square"
+
+    @property
+    def terms(self) -> PatternTerms:
+        """What is known of it beforehand."""
+        return PatternTerms(self.kind, self.turn_side, self.first_leg_m, self.track_spacing_m)
 
 
 @dataclass(frozen=True, slots=True, config=CHECKED)
@@ -291,7 +297,7 @@ class Find:
 
 @dataclass(frozen=True, slots=True, config=CHECKED)
 class Scenario:
-    """A whole mission."""
+    """A whole mission. ``layer_m``: between the altitudes of the formation's UAVs."""
 
     name: Word = "paper"
     datum: Datum = field(default_factory=lambda: Datum(37.8, -122.8, 0.0))
@@ -305,9 +311,18 @@ class Scenario:
     arc_spacing_m: NotNegative = 10.0
     faults: list[Fault] = field(default_factory=list)
     finds: list[Find] = field(default_factory=list)
+    formation: list[Member] = field(default_factory=lambda: [Member()])
+    layer_m: NotNegative = 60.0
+
+    def altitude_m(self, number: int) -> float:
+        """Return the altitude of the formation's UAV of a number (from 0) [m]."""
+        return self.sensor.altitude_m + number * self.layer_m
 
     def __post_init__(self) -> None:
         """Check what goes together."""
+        wrong = fault_of(self.formation)
+        if wrong is not None:
+            _expect(*wrong, ok=False)
         pilot, uav = self.pilot, self.uav
         wanted = CORNERS.get(self.pattern.kind)
         corners = self.pattern.corners

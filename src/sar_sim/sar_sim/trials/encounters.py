@@ -22,7 +22,7 @@ from sar_estimator.common.states import FloatArray, Motion, list_id_at
 from sar_estimator.estimation.component import EstimatorComponent
 from sar_estimator.estimation.parameters import EstimatorParameters
 from sar_sim.autopilot.presets import parameter_values
-from sar_sim.flight.bus import Bus
+from sar_sim.flight.bus import Bus, Joined
 from sar_sim.flight.offline import STEPS_PER_GUARD, STEPS_PER_TICK, monitor_for
 from sar_sim.flight.upload import SimulatedBridge
 from sar_sim.scenario.presets import AUTOPILOTS
@@ -182,7 +182,7 @@ class _Flight:
             item_s=scenario.uav.item_s,
             latency_s=LATENCY_S,
         )
-        components = (self._estimator, self._monitor)
+        components = (Joined(self._estimator), Joined(self._monitor))
         self._bus = Bus(components, listeners={topics.CLEARED: self._bridge.take})
         self._bus.start(components)
         self._bus.publish(topics.AUTOPILOT, parameter_values(scenario.uav))

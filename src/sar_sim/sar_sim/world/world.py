@@ -1,4 +1,4 @@
-"""The simulated world: a helicopter (flown or recorded), its GPS receiver, and a UAV."""
+"""The simulated world: a helicopter (flown or recorded), its GPS receiver, and the UAVs."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from sar_estimator.common.reports import UavReport
 from sar_sim.autopilot.autopilot import SimAutopilot
 from sar_sim.autopilot.wind import Gusts
 from sar_sim.scenario.faults import clock_error_s
+from sar_sim.scenario.formation import Member
 from sar_sim.scenario.scenario import Scenario
 from sar_sim.world.detour import detoured
 from sar_sim.world.faulty_receiver import FaultyReceiver
@@ -29,7 +30,7 @@ STEP_S = 0.1
 class World:
     """Advances in steps of ``STEP_S``; time counts from 0, at ``epoch_s`` of the ROS clock.
 
-    ``helicopter`` is None where a recorded track is played.
+    ``helicopter`` is None where a recorded track is played. ``autopilots``: of the UAVs, by name.
     """
 
     def __init__(
@@ -42,7 +43,7 @@ class World:
         """Set the world up.
 
         A ``track`` takes the place of the simulated helicopter. With ``live``, the map's origin and
-        the present pose of a real helicopter, there is only the UAV, and no end.
+        the present pose of a real helicopter, there are only the UAVs, and no end.
         """
         self.scenario = scenario
         self.datum = scenario.datum
@@ -74,20 +75,35 @@ class World:
             leader = _first_heading(good, self.datum)
         if any(fault.component == "gps" for fault in scenario.faults):
             self.source = FaultyReceiver(self.source, scenario.faults, scenario.gps.seed)
-        side = scenario.pattern.turn_side
-        start = leader.offset(-scenario.uav.lag_m, -side * scenario.corner.spacing_m)
-        self.autopilot = SimAutopilot(
-            start,
+        self.autopilots = {
+            member.name: self._autopilot_of(i, member, leader)
+            for i, member in enumerate(scenario.formation)
+        }
+        self._gusts = Gusts(scenario.wind)
+        self._steps = 0
+        self._extra = [
+            np.random.default_rng(scenario.uav.seed + i) for i in range(len(self.autopilots))
+        ]
+        self._to_come = deque(self.corners)
+
+    def _autopilot_of(self, number: int, member: Member, leader: Pose) -> SimAutopilot:
+        """Return a UAV's autopilot, where it starts beside the helicopter, in its own layer."""
+        scenario = self.scenario
+        across_m = member.slot.across_on(scenario.pattern.terms, 0) * scenario.corner.spacing_m
+        lag_m = scenario.uav.lag_m if member.lag_m is None else member.lag_m
+        return SimAutopilot(
+            leader.offset(-lag_m, -across_m),
             speed_mps=scenario.corner.speed_mps,
             uav=scenario.uav,
             wind=scenario.wind,
             datum=self.datum,
-            altitude_m=scenario.sensor.altitude_m,
+            altitude_m=scenario.altitude_m(number),
         )
-        self._gusts = Gusts(scenario.wind)
-        self._steps = 0
-        self._extra = np.random.default_rng(scenario.uav.seed)
-        self._to_come = deque(self.corners)
+
+    @property
+    def autopilot(self) -> SimAutopilot:
+        """The first UAV's."""
+        return next(iter(self.autopilots.values()))
 
     @property
     def time_s(self) -> float:
@@ -123,30 +139,35 @@ class World:
         self._steps += 1
         if self._to_come and self._to_come[0].onset_time_s <= self.time_s:
             self._to_come.popleft()
-            uav = self.scenario.uav
-            extra = self._extra.uniform(uav.extra_path_min_m, uav.extra_path_max_m)
-            self.autopilot.owe(float(extra))
-            if uav.widest_radius_m > uav.min_radius_m:
-                radius = self._extra.uniform(uav.min_radius_m, uav.widest_radius_m)
-                self.autopilot.turn_no_tighter(float(radius))
-        self.autopilot.wind_mps = self._gusts.step(STEP_S)
-        self.autopilot.step(STEP_S)
+            for rng, autopilot in zip(self._extra, self.autopilots.values(), strict=True):
+                self._disturb(rng, autopilot)
+        wind_mps = self._gusts.step(STEP_S)
+        for autopilot in self.autopilots.values():
+            autopilot.wind_mps = wind_mps
+            autopilot.step(STEP_S)
         return [
             replace(item, fix=replace(item.fix, time_s=self._stamp(item.fix)))
             for item in self.source.due(self.time_s)
         ]
+
+    def _disturb(self, rng: np.random.Generator, autopilot: SimAutopilot) -> None:
+        """Have a UAV fly a corner worse than it should, as the scenario says."""
+        uav = self.scenario.uav
+        autopilot.owe(float(rng.uniform(uav.extra_path_min_m, uav.extra_path_max_m)))
+        if uav.widest_radius_m > uav.min_radius_m:
+            autopilot.turn_no_tighter(float(rng.uniform(uav.min_radius_m, uav.widest_radius_m)))
 
     def _stamp(self, fix: Fix) -> float:
         epoch_s = self.epoch_s if self.helicopter is not None else 0.0
         return fix.time_s + epoch_s + self._clock_error_s
 
     def truth(self, ros_time_s: float, *, uav: bool = True) -> list[tuple[str, UavReport]]:
-        """Return the true motions by topic; ``uav``: whether its one is flown."""
+        """Return the true motions by topic; ``uav``: whether UAVs are flown here."""
         found = []
-        if uav:
-            flown = self.autopilot.motion.stamped(ros_time_s)
-            yaw = self.autopilot.state.heading_rad
-            found.append((topics.TRUE_UAV, UavReport(flown, yaw)))
+        for name, autopilot in self.autopilots.items() if uav else ():
+            flown = autopilot.motion.stamped(ros_time_s)
+            report = UavReport(flown, autopilot.state.heading_rad)
+            found.append((topics.of_uav(topics.TRUE_UAV, name), report))
         if self.helicopter is not None:
             motion = self.helicopter.motion(self.time_s).stamped(ros_time_s)
             yaw = self.helicopter.heading_rad(self.time_s)

@@ -9,6 +9,7 @@ from sar_planner.guidance.path_efficiency import PathEfficiency
 from sar_planner.guidance.wind_triangle import AirEnvelope
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
+from sar_planner.patterns.legs import PatternTerms
 from sar_planner.prediction.situation import Situation
 from sar_planner.strategies.deadbeat.state import State, Tick
 
@@ -17,7 +18,7 @@ CORNER = CornerEstimate(104.0, Pose(80.0, 0.0, 0.0), 108.0, 20.0, 2.5, np.zeros(
 
 def situation_of(*, helicopter, uav, leg_mps, corner):
     """A helicopter on a leg east through the origin, at (0, 0) at t = 100 s."""
-    known = Situation(CornerParameters(), 1)
+    known = Situation(CornerParameters(), PatternTerms(side=1))
     known.set_helicopter(helicopter)
     known.set_uav(uav)
     known.set_phase(Phase.CRUISE)

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import CornerEstimate, Phase
 from sar_planner.guidance.waypoint_lists import PathListing
+from sar_planner.parameters.corner import CornerParameters
 from sar_planner.paths.flight_path import CornerFrame
 from sar_planner.rejoin.tracked_path import TrackedPath, final_lag_m, is_on_track
 from sar_planner.rules.corner_speed import catching_up_mps, sped_up_plan, speed_ups_of
-from sar_planner.rules.paper_rules import CornerPlan, Rule
+from sar_planner.rules.outside_rules import OutsideRules
+from sar_planner.rules.paper_rules import OUTSIDE, CornerPlan, NoPathError, Rule
 from sar_planner.strategies.active_corner import ActiveCorner, measured, unusable
 from sar_planner.strategies.deadbeat.rejoining import start_rejoining
 from sar_planner.strategies.deadbeat.state import Decision, State, Tick
+
+BEHIND_SPACINGS = 0.25  # of lag: a UAV so far behind need not wait
+OUTSIDE_SLOWER = 0.3  # share of V by which a UAV flies slower about the outside of a corner
+MADE_UP_SHARE = 0.7  # of a leg: on which a lag that an outer corner leaves is made up
 
 
 def plan_corner(state: State, tick: Tick) -> Decision:
@@ -34,7 +41,7 @@ def plan_corner(state: State, tick: Tick) -> Decision:
         return Decision(replace(state, done_corner=k), goes_on=True)
     first_stop = estimate.stop if before is None else before.first_stop
     frame = CornerFrame(estimate.stop, situation.turn_side)
-    planned = _rule_plan(estimate, frame, state, tick) if situation.keeps_inside else None
+    planned = _rule_plan(estimate, frame, state, tick)
     if planned is None:
         return _from_anywhere(estimate, frame, first_stop, state, tick)
     plan, speed_up = planned
@@ -47,7 +54,7 @@ def plan_corner(state: State, tick: Tick) -> Decision:
     speed_mps = path_speed_mps(
         tick,
         path.length_m - flown_m,
-        plan.next_lag_m,
+        0.0 if plan.rule in OUTSIDE else plan.next_lag_m,
         helicopter_mps=estimate.speed_mps,
         speed_up=speed_up,
         share=state.efficiency.now,
@@ -61,23 +68,71 @@ def plan_corner(state: State, tick: Tick) -> Decision:
 def _rule_plan(
     estimate: CornerEstimate, frame: CornerFrame, state: State, tick: Tick
 ) -> tuple[CornerPlan, float] | None:
-    """Return the plan and how much faster than V it is flown; None off the slot track."""
-    uav = tick.situation.uav
+    """Return the plan and how much faster than V it is flown.
+
+    None off the slot track, or where the UAV is to come from the outside of the turn to its inside.
+    """
+    uav, places_m = tick.situation.uav, tick.situation.places_m
     assert uav is not None
+    assert places_m is not None
+    before_m, after_m = places_m
     pose = frame.to_frame(uav.pose)
-    across = pose.y_m + tick.corner.spacing_m
-    if not is_on_track(Pose(pose.x_m, across, pose.heading_rad)):
+    on_slot = is_on_track(Pose(pose.x_m, pose.y_m + before_m, pose.heading_rad))
+    if not on_slot or before_m < 0.0 < after_m:
         return None
     parameters, lag_m = measured(estimate, frame, uav, tick.corner)
     passed_s = tick.now_s - estimate.onset_time_s + tick.mission.reaction_s
+    lead_m = uav.speed_mps * max(0.0, passed_s)
+    if after_m < 0.0:
+        return _outside_plan(parameters, lag_m, lead_m, tick, -before_m, -after_m)
     return sped_up_plan(
         parameters,
         lag_m,
-        lead_m=uav.speed_mps * max(0.0, passed_s),
+        lead_m=lead_m,
         separations_m=tick.separations_m,
         speed_ups=speed_ups_of(tick.air, estimate.speed_mps, tick.mission.corner_speed_up),
         path_efficiency=state.efficiency.share,
     )
+
+
+def _outside_plan(
+    parameters: CornerParameters,
+    lag_m: float,
+    lead_m: float,
+    tick: Tick,
+    from_m: float,
+    to_m: float,
+) -> tuple[CornerPlan, float] | None:
+    """Return the plan to the outside of the turn, and at which share of V it is flown.
+
+    Slowly: the UAV passes before the nose of a helicopter that should have left the corner by then,
+    and over to the outside it would come out far ahead. What it falls behind by that is made up on
+    the leg.
+    """
+    speed = parameters.speed_mps
+    slowest = tick.air.speeds_mps(speed, OUTSIDE_SLOWER)[0] / speed
+    faster = tick.speeds_beside_mps(speed)[1] / speed - 1.0
+    leg_m = tick.situation.progress.next.length_m or math.inf
+    most_left_m = MADE_UP_SHARE * leg_m * faster + tick.corner.spacing_m
+    behind = lag_m > BEHIND_SPACINGS * tick.corner.spacing_m
+    shares = (1.0,) if behind else (slowest, 0.5 * (slowest + 1.0), 1.0)
+    for separation_m in tick.separations_m:
+        for share in shares:
+            rules = OutsideRules(
+                parameters,
+                abs(tick.situation.turn_rad),
+                speed_mps=share * speed,
+                from_m=from_m,
+                to_m=to_m,
+            )
+            try:
+                plan = rules.plan(
+                    lag_m, lead_m=lead_m, separation_m=separation_m, most_left_m=most_left_m
+                )
+            except NoPathError:
+                continue
+            return plan, share
+    return None
 
 
 def _from_anywhere(
@@ -116,11 +171,10 @@ def commit_when_due(state: State, tick: Tick) -> State:
     )
     if not (overtaken or active.plan.turn_start_m - active.flown_m(tick.now_s) < margin_m + 1e-6):
         return state
-    return replace(
-        state,
-        corner=replace(active, committed=True),
-        efficiency=state.efficiency.begun(tick.corner.speed_mps),
-    )
+    efficiency = state.efficiency.begun(tick.corner.speed_mps)
+    if active.plan.rule in OUTSIDE:  # flown slowly on purpose: nothing is learnt of it
+        efficiency = state.efficiency.cancelled()
+    return replace(state, corner=replace(active, committed=True), efficiency=efficiency)
 
 
 def path_speed_mps(
@@ -137,7 +191,7 @@ def path_speed_mps(
     ``speed_up``: of the path, over that; ``share``: what of its speed the UAV makes good.
     """
     worth_m = lag_m if lag_m >= tick.mission.lag_tolerance_m else 0.0
-    most_mps = tick.air.speeds_mps(helicopter_mps, tick.mission.speed_trim)[1]
+    most_mps = tick.speeds_beside_mps(helicopter_mps)[1]
     return catching_up_mps(
         path_m, worth_m, helicopter_mps, speed_up=speed_up, share=share, most_mps=most_mps
     )

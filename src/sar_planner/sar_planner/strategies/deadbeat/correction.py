@@ -87,7 +87,8 @@ def correct(state: State, tick: Tick, off_m: float, held_lag_m: float) -> Decisi
 def _sweep(state: State, tick: Tick) -> SweepAt | None:
     """Return the UAV's swaths about the corner that is flown; None where none is."""
     estimate = tick.situation.estimate
-    if state.corner is None or state.corner.plan.rule is Rule.RJ or estimate is None:
+    no_rule = state.corner is None or state.corner.plan.rule is Rule.RJ or state.flies_outside
+    if no_rule or estimate is None:
         return None
     return SweepAt(tick.corner.spacing_m, tick.slot_frame.to_frame(estimate.stop).x_m)
 

@@ -17,7 +17,7 @@ def follow_leg(state: State, tick: Tick) -> Decision:
     frame = tick.slot_frame
     lag_m = expected.in_frame(frame).slot_x_m(tick.now_s) - tick.uav_in(frame).x_m
     on_slot = tick.on_slot()
-    if (not on_slot or lag_m < -mission.ahead_m) and tick.now_s >= state.retry_s:
+    if (not on_slot or lag_m < -tick.most_ahead_m) and tick.now_s >= state.retry_s:
         return start_rejoining(state, tick)
     if not on_slot:
         return Decision(state)
@@ -27,7 +27,8 @@ def follow_leg(state: State, tick: Tick) -> Decision:
         expected.speed_mps,
         off_mps=mission.trim_follow * expected.faster_mps(tick.situation.helicopter),
         gain=mission.trim_gain,
-        trim=mission.speed_trim,
+        trim=tick.slower,
+        faster=tick.faster,
     )
     return Decision(
         replace(state, speed_mps=speed_mps, led_s=tick.now_s),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from sar_estimator.common.states import Phase
 from sar_planner.paths.flight_path import FlightPath
 from sar_planner.prediction.separation import beside_apart_m, least_apart_m
 from sar_planner.rejoin.tracked_path import (
@@ -50,13 +51,19 @@ def follow_path(state: State, tick: Tick) -> Decision:
     beside = here.x_m - there.x_m, here.y_m - there.y_m
     off_m = math.hypot(*beside)
     forecasts = tick.forecasts_in(path.frame)
-    path = path.timed(rest, forecasts[0], now_s, tick.speeds_mps, state.share)
+    slowest, fastest = tick.speeds_mps
+    if state.flies_outside and tick.situation.phase in (Phase.DECELERATING, Phase.STOPPED):
+        # Not before the nose of one that may go straight on: the leg makes up for it.
+        slowest = fastest = state.speed_up * tick.expected.speed_mps
+    path = path.timed(rest, forecasts[0], now_s, (slowest, fastest), state.share)
     state = replace(state, path=path, speed_mps=path.speed_mps)
     speed_mps = path.speed_mps * state.share
     lag_m = final_lag_m(rest, forecasts[0], start_s=now_s, speed_mps=speed_mps)
     tolerance_m = max(tick.mission.lag_tolerance_m, tick.mission.far_tolerance * rest.length_m)
     settling = now_s - state.corrected_s < tick.mission.settling_s
     fits = abs(lag_m) < tolerance_m and not moved and (settling or off_m < tick.mission.off_path_m)
+    # Outside, a lag is left on purpose, and what is left beside the slot is the leg's.
+    fits = fits or state.flies_outside
     apart_m = least_apart_m(rest, forecasts, start_s=now_s, speed_mps=speed_mps)
     if off_m > BESIDE_M:
         now_m = beside_apart_m(rest, beside, forecasts, start_s=now_s, speed_mps=speed_mps)
@@ -64,7 +71,7 @@ def follow_path(state: State, tick: Tick) -> Decision:
     margin_m = 0.0 if settling else MARGIN_SHARE * tick.margin_m
     if fits and apart_m >= tick.corner.separation_m + margin_m:
         return Decision(state)
-    safe = apart_m >= tick.corner.separation_m and not moved
+    safe = apart_m >= tick.corner.separation_m and (not moved or state.flies_outside)
     return correct(state, tick, off_m, abs(lag_m) if safe else math.inf)
 
 

@@ -21,10 +21,12 @@ from sar_planner.prediction.forecast import Forecast
 from sar_planner.prediction.situation import Situation
 from sar_planner.rejoin.tracked_path import TrackedPath, is_on_track
 from sar_planner.rules.deadbeat_rules import DeadbeatRules, least_lag_m
-from sar_planner.rules.paper_rules import Rule
+from sar_planner.rules.paper_rules import OUTSIDE, Rule
 from sar_planner.strategies.active_corner import ActiveCorner, Mode
 
 MARGIN_SHARE = 0.4  # of the margin: what a path that is flown may have lost of it
+AHEAD_SPACINGS = 2.0  # on a cross leg, onto which the UAV came ahead
+CROSSING_SLOWER = 0.3  # share of V by which a UAV flies slower on a cross leg
 WATCH_S = 0.39  # between two looks: two decisions at 5 Hz, whatever their times round to
 
 NEEDS = {
@@ -84,6 +86,11 @@ class State:
         """What is made good of the UAV's speed on the path being flown; rejoining, all of it."""
         by_rule = self.corner is not None and self.corner.plan.rule is not Rule.RJ
         return self.efficiency.now if by_rule else 1.0
+
+    @property
+    def flies_outside(self) -> bool:
+        """Whether the path being flown leads about the outside of a corner."""
+        return self.corner is not None and self.corner.plan.rule in OUTSIDE
 
     def without_path(self, mode: Mode) -> State:
         """Return the state in a mode that flies no path; a corner that was flown is done."""
@@ -156,7 +163,34 @@ class Tick:
     @property
     def speeds_mps(self) -> tuple[float, float]:
         """The slowest and the fastest ground speed of a path."""
-        return self.air.speeds_mps(self.expected.speed_mps, self.mission.speed_trim)
+        return self.speeds_beside_mps(self.expected.speed_mps)
+
+    @property
+    def faster(self) -> float:
+        """The share of V by which the UAV may be asked to fly faster."""
+        stays = self.situation.progress.stays_inside
+        return self.mission.speed_trim if stays else self.mission.outside_speed_up
+
+    @property
+    def on_cross_leg(self) -> bool:
+        """Whether the UAV is on a cross leg outside of its turns, onto which it came ahead."""
+        progress = self.situation.progress
+        crosses = progress.is_cross_leg(self.expected.leg.heading_rad)
+        return crosses and progress.slot.side == "inside"
+
+    @property
+    def slower(self) -> float:
+        """The share of V by which the UAV may be asked to fly slower on a leg."""
+        return CROSSING_SLOWER if self.on_cross_leg else self.mission.speed_trim
+
+    @property
+    def most_ahead_m(self) -> float:
+        """How far ahead of its slot the UAV may be on a leg before it is led back [m]."""
+        return AHEAD_SPACINGS * self.corner.spacing_m if self.on_cross_leg else self.mission.ahead_m
+
+    def speeds_beside_mps(self, helicopter_mps: float) -> tuple[float, float]:
+        """Return the slowest and the fastest ground speed beside a helicopter of a speed."""
+        return self.air.speeds_mps(helicopter_mps, self.mission.speed_trim, self.faster)
 
     def forecasts_in(self, frame: CornerFrame) -> tuple[Forecast, ...]:
         """Return all forecasts in a frame."""

@@ -118,6 +118,8 @@ class DeadbeatStrategy(Strategy):
             self._mission,
             self.lists.air,
         )
+        if tick.forecasts:
+            self.lists.side = tick.slot_frame.turn_side
         decision = decide(state, tick)
         self.state = decision.state
         if decision.listing is None or self._s.uav is None:
