@@ -36,6 +36,7 @@ setup(
             "monitor_trials = sar_sim.trials.monitor_trials_cli:main",
             "export = sar_sim.export.export_cli:main",
             "find_trials = sar_sim.trials.find_trials_cli:main",
+            "formation_trials = sar_sim.trials.formation_trials_cli:main",
             "receiver = sar_sim.trials.receiver_cli:main",
             "receiver_logs = sar_sim.trials.receiver_logs_cli:main",
             "rejoin_trials = sar_sim.trials.rejoin_trials_cli:main",

@@ -245,7 +245,7 @@ def test_a_simulation_that_flies_alone_names_what_it_did_not_hear(own_domain):
     sim = ROOT / "install/sar_sim/lib/sar_sim/sim"
     scenario = ROOT / "config/scenarios/paper.yaml"
     given = [item for name, value in
-             (("scenario", scenario), ("mavlink_port", 14877), ("patience_s", 1.0))
+             (("scenario", scenario), ("mavlink_ports", "[14877]"), ("patience_s", 1.0))
              for item in ("-p", f"{name}:={value}")]  # fmt: skip
     ended = subprocess.run(
         [str(sim), "--ros-args", *given],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import logging
+import re
 import secrets
 import sys
 import threading
@@ -24,7 +25,7 @@ from rclpy.utilities import remove_ros_args
 from std_srvs.srv import Trigger
 
 from sar_bridge.console.access import Access
-from sar_bridge.console.component import ConsoleComponent
+from sar_bridge.console.fleet import Fleet, uavs_in
 from sar_bridge.console.live import LiveDesk
 from sar_bridge.console.map_view import Search
 from sar_bridge.console.page import Desk, Page
@@ -32,7 +33,7 @@ from sar_bridge.console.playback import PlaybackDesk, Told
 from sar_bridge.console.snapshot import Snapshot
 from sar_bridge.console.tiles import URL, Tiles
 from sar_bridge.services import SERVICES
-from sar_estimator.bags.bag import BAG_ERRORS, read_messages
+from sar_estimator.bags.bag import BAG_ERRORS, read_messages, topics_in
 from sar_estimator.common import topics
 from sar_estimator.common.checked import CHECKED, Positive, Side
 from sar_estimator.common.component_node import ComponentNode
@@ -42,6 +43,7 @@ from sar_estimator.common.reports import Target
 from sar_estimator.common.wires import WIRES
 
 TITLE = "SAR formation"
+NAMESPACE = re.compile(r"[A-Za-z]\w*", re.ASCII)
 
 
 @dataclass(frozen=True, config=CHECKED)
@@ -51,7 +53,8 @@ class ConsoleParameters:
     port: of the page, on 127.0.0.1. spacing_m, turn_side: of the formation, as the planner has
     them. swath_m: what each aircraft sees, in width. address_file: the page's address is written
     there, with its token, for this user alone; empty for none. folder: on the recorder's disk.
-    tiles: folder with map tiles, Z/X/Y.png; empty for a map without.
+    tiles: folder with map tiles, Z/X/Y.png; empty for a map without. uavs: namespaces of planner,
+    monitor and bridge, a row of the page for each; one empty name for a UAV without.
     """
 
     port: Annotated[int, Field(ge=1, le=65535)] = 8080
@@ -61,53 +64,64 @@ class ConsoleParameters:
     address_file: str = ""
     folder: str = "."
     tiles: str = ""
+    uavs: tuple[str, ...] = ("",)
+
+    def __post_init__(self) -> None:
+        """Check the names."""
+        good = all(not one or NAMESPACE.fullmatch(one) for one in self.uavs)
+        if not self.uavs or not good or len(set(self.uavs)) < len(self.uavs):
+            raise ValueError(
+                f"uavs = {list(self.uavs)}: expected different names of letters, digits and _"
+            )
 
 
 PARAMETERS = (ConsoleParameters,)
 
 
 class ConsoleNode(ComponentNode):
-    """Feeds the console's component, and asks services."""
+    """Feeds the consoles of all UAVs, and asks services."""
 
     by_wall_clock = True
 
     def __init__(self) -> None:
         """Listen; find the services."""
-        self.console = ConsoleComponent()
         self.parameters: ConsoleParameters
+        self.fleet: Fleet
         super().__init__("console", self._make)
         self._clients_by_name = {
-            name: self.create_client(Trigger, topics.name_of(service))
+            (uav, name): self.create_client(Trigger, topics.name_of(topics.of_uav(service, uav)))
+            for uav in self.parameters.uavs
             for name, service in SERVICES.items()
         }
 
-    def _make(self, node: Node) -> ConsoleComponent:
+    def _make(self, node: Node) -> Fleet:
         self.parameters = parameters(node, ConsoleParameters)
-        return self.console
+        self.fleet = Fleet(self.parameters.uavs)
+        return self.fleet
 
     def component_s(self) -> float:
         """Return a monotonic clock [s]: how old something is has nothing to do with the graph's."""
         return time.monotonic()
 
-    def snapshot(self) -> Snapshot:
-        """Return what is known now."""
+    def snapshots(self) -> dict[str, Snapshot]:
+        """Return what is known now, by UAV."""
         with self.lock:
-            return self.console.snapshot(time.monotonic())
+            return self.fleet.snapshots(time.monotonic())
 
     def acknowledge(self) -> None:
         """Take the banner for known."""
         with self.lock:
-            self.console.acknowledge(time.monotonic())
+            self.fleet.acknowledge(time.monotonic())
 
     def mark(self, x_m: float, y_m: float) -> None:
         """Mark a place of the map [m]."""
         with self.lock:
             self.publish([(topics.TARGET, Target(now_s(self), x_m, y_m))])
 
-    def ask(self, action: str) -> None:
-        """Ask a service; its answer is shown word for word."""
-        client = self._clients_by_name[action]
-        name = action.replace("_", " ")
+    def ask(self, action: str, uav: str) -> None:
+        """Ask a UAV's service; its answer is shown word for word."""
+        client = self._clients_by_name[uav, action]
+        name = f"{uav} {action.replace('_', ' ')}".lstrip()
         if not client.service_is_ready():
             self._answered(f"{name}: nobody answers")
             return
@@ -117,7 +131,7 @@ class ConsoleNode(ComponentNode):
 
     def _answered(self, text: str) -> None:
         with self.lock:
-            self.console.answered(text)
+            self.fleet.answered(text)
 
 
 def show(desk: Desk, port: int, address_file: str = "", tiles_folder: str = "") -> None:
@@ -152,11 +166,11 @@ def show(desk: Desk, port: int, address_file: str = "", tiles_folder: str = "") 
 
 
 def _told(bag: Path) -> Iterator[Told]:
-    """Yield what a bag has of what the page shows."""
-    wanted = set(ConsoleComponent().inputs)
+    """Yield what a bag has of what the page shows, of whichever UAVs it is."""
+    wanted = set(Fleet(uavs_in(topics_in(bag))).inputs)
     for topic, time_s, message in read_messages(bag, wanted):
         try:
-            yield time_s, topic, WIRES[topic].from_message(message)
+            yield time_s, topic, WIRES[topics.plain(topic)].from_message(message)
         except ValueError:
             continue  # of another version: the rest is shown
 
@@ -168,7 +182,7 @@ def _play(bag: Path, port: int, speed: float, tiles: str) -> None:
 def _fly(node: ConsoleNode) -> None:
     own = node.parameters
     desk = LiveDesk(
-        node.snapshot,
+        node.snapshots,
         node.ask,
         node.acknowledge,
         node.mark,

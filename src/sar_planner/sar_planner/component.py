@@ -32,6 +32,7 @@ from sar_planner.guidance.vehicle import Vehicle
 from sar_planner.mission_planner import MissionPlanner, PlannedList
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
+from sar_planner.patterns.slot import Slot
 from sar_planner.strategies.active_corner import ActiveCorner, Mode
 
 FIGURES = re.compile(r"[\d.]+")
@@ -172,6 +173,14 @@ class PlannerComponent(Component):
     def _resume(self, now_s: float) -> Answer:
         reason = self.planner.resume()
         return Answer(not reason, reason or "back to the formation", self.tick(now_s))
+
+    def change_slot(self, slot: Slot) -> Answer:
+        """Take another place in the formation."""
+        reason = self.planner.change_slot(slot)
+        if reason:
+            return Answer(success=False, message=reason, outputs=[])
+        told: Outputs = [(NOTICES, Notice("info", f"slot: {slot}")), *self.start(0.0)]
+        return Answer(success=True, message=f"slot {slot}", outputs=told)
 
     def _withdrawn(self, now_s: float) -> Outputs:
         """Tell that there is no list any more."""

@@ -6,7 +6,7 @@ Pure: it is told what is known, and asked at any time whether there is a new way
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from sar_planner.guidance.vehicle import Vehicle
 from sar_planner.orbit import Orbit
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
+from sar_planner.patterns.slot import Slot
 from sar_planner.prediction.situation import Situation
 from sar_planner.rules.rule_sets import check_planner
 from sar_planner.strategies.active_corner import ActiveCorner, Mode
@@ -55,10 +56,10 @@ class MissionPlanner:
 
     def __init__(self, corner: CornerParameters, mission: MissionParameters) -> None:
         """Check both parameter sets."""
-        check_planner(mission.rules, corner)
         self.corner_parameters = corner
         self.parameters = mission
         own = corner.beside(mission.slot_tracks)
+        check_planner(mission.rules, own)
         self.situation = Situation(corner, mission.terms, mission.slot)
         self._strategy = STRATEGIES[mission.rules](self.situation, own, mission)
         self.find = Finding(
@@ -165,6 +166,22 @@ class MissionPlanner:
         if not reason:
             self._strategy.begin()
         return reason
+
+    def change_slot(self, slot: Slot) -> str:
+        """Take another place in the formation; return why not, empty when taken.
+
+        The UAV is led there as soon as nothing else is flown.
+        """
+        own = self.corner_parameters.beside(slot.tracks)
+        try:
+            changed = replace(self.parameters, slot_side=slot.side, slot_tracks=slot.tracks)
+            check_planner(changed.rules, own)
+        except ValueError as error:
+            return str(error)
+        self.parameters = changed
+        self.situation.progress.slot = slot
+        self._strategy.set_corner(own)
+        return ""
 
     # Measured ----------------------------------------------------------------------------------
 

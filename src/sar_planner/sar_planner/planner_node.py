@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from sar_estimator.common import topics
 from sar_estimator.common.checked import CHECKED
@@ -20,6 +22,7 @@ from sar_planner.component import PlannerComponent
 from sar_planner.markers import Markers
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
+from sar_planner.patterns.slot import Slot
 
 
 class ShownPlanner(PlannerComponent):
@@ -67,6 +70,29 @@ class PlannerNodeParameters:
 PARAMETERS = (CornerParameters, MissionParameters, PlannerNodeParameters)
 
 
+class PlannerNode(ComponentNode):
+    """Runs the planner, whose slot can be changed in flight by the parameters that tell it."""
+
+    def __init__(self) -> None:
+        """Make it."""
+        self._planner: ShownPlanner
+        super().__init__("planner", self._make)
+        self.add_on_set_parameters_callback(self._change)
+
+    def _make(self, node: Node) -> ShownPlanner:
+        self._planner = make(node)
+        return self._planner
+
+    def _change(self, given: list[Parameter]) -> SetParametersResult:
+        now = self._planner.planner.parameters.slot
+        values: dict[str, Any] = {"slot_side": now.side, "slot_tracks": now.tracks}
+        values |= {one.name: one.value for one in given if one.name in values}
+        with self.lock:
+            answer = self._planner.change_slot(Slot(values["slot_side"], values["slot_tracks"]))
+            self.publish(answer.outputs)
+        return SetParametersResult(successful=answer.success, reason=answer.message)
+
+
 def make(node: Node) -> ShownPlanner:
     """Return the planner that a node's parameters describe."""
     corner = parameters(node, CornerParameters)
@@ -77,7 +103,7 @@ def make(node: Node) -> ShownPlanner:
 
 def main() -> int:
     """Run the node."""
-    return run_node("planner", lambda: ComponentNode("planner", make))
+    return run_node("planner", PlannerNode)
 
 
 if __name__ == "__main__":

@@ -1,13 +1,18 @@
-"""The page of a desk whose state a test chooses by a file: ``desk_server.py PORT FOLDER``."""
+"""The page of a desk whose state a test chooses by a file: ``desk_server.py PORT FOLDER UAV...``.
+
+The file has a word for each UAV, or one for all.
+"""
 
 import json
 import sys
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 sys.path.insert(0, str(Path(__file__).parent))
 from conftest import formation, told
-from sar_bridge.console.banner import banner
+from sar_bridge.console.banner import banner, worst
 from sar_bridge.console.live import ACTIONS
 from sar_bridge.console.map_view import Search
 from sar_bridge.console_node import show
@@ -15,6 +20,7 @@ from sar_estimator.common.reports import MonitorReport, UavStatus
 from sar_estimator.common.states import Phase
 
 PORT, FOLDER = int(sys.argv[1]), Path(sys.argv[2])
+UAVS = tuple(sys.argv[3:]) or ("",)
 REASON = "150 m in 12 s if the helicopter turns"
 
 
@@ -44,6 +50,16 @@ STATES = {
 }
 
 
+def beside(snapshot, n):
+    """Return the n-th UAV's: from the second on on the other side of the helicopter."""
+    if n == 0:
+        return snapshot
+    motion = snapshot.uav.motion
+    there = snapshot.uav._replace(motion=motion._replace(y_m=n * 250.0))
+    helicopter, uav = snapshot.tracks
+    return replace(snapshot, uav=there, tracks=(helicopter, uav + np.array([0.0, 250.0 * (n + 1)])))
+
+
 class Desk:
     """Shows what the file ``state`` names, and writes to ``asked`` what is asked for."""
 
@@ -51,22 +67,29 @@ class Desk:
     search = Search()
     quiet = ""
 
-    def snapshot(self):
-        state = STATES[(FOLDER / "state").read_text("utf-8")]
-        return replace(state, quiet=self.quiet, answers=("engage: no UAV position",))
+    def snapshots(self):
+        words = (FOLDER / "state").read_text("utf-8").split()
+        answers = ("engage: no UAV position",)
+        return {
+            uav: replace(beside(STATES[word], n), callsign=uav, quiet=self.quiet, answers=answers)
+            for n, (uav, word) in enumerate(zip(UAVS, words * len(UAVS), strict=False))
+        }
 
     def free_gb(self):
         return 50.0
 
-    def ask(self, action):
-        with (FOLDER / "asked").open("a", encoding="utf-8") as file:
-            file.write(json.dumps(action) + "\n")
+    def ask(self, action, uav):
+        self.write([action, uav] if uav else action)
 
     def mark(self, x_m, y_m):
-        self.ask(["mark", round(x_m), round(y_m)])
+        self.write(["mark", round(x_m), round(y_m)])
+
+    def write(self, what):
+        with (FOLDER / "asked").open("a", encoding="utf-8") as file:
+            file.write(json.dumps(what) + "\n")
 
     def acknowledge(self):
-        self.quiet = banner(self.snapshot()).key
+        self.quiet = worst(map(banner, self.snapshots().values())).key
 
     def span_s(self):
         return None

@@ -105,6 +105,43 @@ def test_on_the_other_side_the_strip_is_there(well):
     assert left_out((helicopter, left), Search(turn_side=1)).area > 100_000.0
 
 
+def test_the_strips_of_all_slots_are_looked_for(well):
+    helicopter, right = well.tracks
+    left = right + np.array([0.0, 500.0])
+    both = (helicopter, right, left)
+    assert left_out(both, Search(), ("right", "left")).area < 1000.0
+    assert left_out(both, Search(), ("inside", "outside")).area < 1000.0
+    assert left_out(both, Search(), ("right", "left 2")).area > 100_000.0
+    assert left_out((helicopter, right, left[:1]), Search(), ("right", "left")).area < 1000.0
+
+
+@pytest.mark.parametrize(
+    ("slot", "place_m"),
+    [
+        ("", -250.0),
+        ("inside", -250.0),
+        ("outside", 250.0),
+        ("right", 250.0),
+        ("left 2", -500.0),
+        ("outside 3", 750.0),
+        ("left x", -250.0),
+    ],
+)
+def test_a_slot_is_where_its_planner_says(slot, place_m):
+    assert Search(turn_side=-1).place_m(slot) == place_m
+
+
+def test_all_uavs_are_drawn_by_name(well):
+    one, two = replace(well, callsign="uav1"), replace(well, callsign="<2>")
+    text = picture(one, View(centre_m=centre_of(one)), Search(), None, others=[two])
+    root = ET.fromstring(f"<svg>{text}</svg>")
+    assert {"track uav", "track uav other", "uav", "uav other"} <= kinds(root)
+    labels = [item.text for item in root.iter("text")]
+    assert {"H", "uav1", "<2>"} <= set(labels)
+    assert labels.count("1") == 1  # what both were told is marked once
+    assert len([item for item in root.iter() if item.get("class") == "plan"]) == 2
+
+
 def test_a_long_flight_stays_a_short_text(well):
     turns = np.linspace(0.0, 60.0, 20_000)
     square = np.column_stack((3000.0 * np.sign(np.sin(turns)), 3000.0 * np.sign(np.cos(turns))))

@@ -1,5 +1,6 @@
 """The page in a real browser: every button, every alert, palettes, stale data, a hostile page."""
 
+import contextlib
 import functools
 import http.server
 import json
@@ -51,29 +52,27 @@ def paint_tiles(folder):
     (folder / "attribution.txt").write_text("a chart of nowhere", encoding="utf-8")
 
 
-def serve(port, folder):
+def serve(port, folder, *uavs):
     """Start the page of a desk in a process of its own."""
     server = Path(__file__).with_name("desk_server.py")
     # NiceGUI serves otherwise where it believes itself under test.
     plain = {key: value for key, value in os.environ.items() if key != "PYTEST_CURRENT_TEST"}
     with (folder / "log").open("wb") as log:
         return subprocess.Popen(
-            [sys.executable, str(server), str(port), str(folder)],
+            [sys.executable, str(server), str(port), str(folder), *uavs],
             env=plain,
             stdout=log,
             stderr=subprocess.STDOUT,
         )
 
 
-@pytest.fixture(scope="module")
-def desk(tmp_path_factory):
+@contextlib.contextmanager
+def served(folder, *uavs):
     """Serve a page; give its folder, its address and its port."""
-    folder = tmp_path_factory.mktemp("desk")
     (folder / "state").write_text("well", encoding="utf-8")
     (folder / "asked").touch()
-    paint_tiles(folder / "tiles")
     port = free_port(socket.SOCK_STREAM)
-    process = serve(port, folder)
+    process = serve(port, folder, *uavs)
     ends = time.monotonic() + 60.0
     while not (folder / "address").exists() or not listens(port):
         assert process.poll() is None, (folder / "log").read_text("utf-8")
@@ -84,13 +83,27 @@ def desk(tmp_path_factory):
     process.wait()
 
 
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("desk")
+    paint_tiles(folder / "tiles")
+    with served(folder) as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def desk_of_two(tmp_path_factory):
+    with served(tmp_path_factory.mktemp("two"), "uav1", "uav2") as found:
+        yield found
+
+
 def listens(port):
     with socket.socket() as probe:
         return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
-@pytest.fixture
-def page(desk, browser):
+@contextlib.contextmanager
+def opened(desk, browser):
     folder, address, _ = desk
     (folder / "state").write_text("well", encoding="utf-8")
     (folder / "asked").write_text("", encoding="utf-8")
@@ -102,6 +115,18 @@ def page(desk, browser):
     shown.wait_for_selector(".banner.normal", timeout=WAIT_MS)
     yield shown
     context.close()
+
+
+@pytest.fixture
+def page(desk, browser):
+    with opened(desk, browser) as shown:
+        yield shown
+
+
+@pytest.fixture
+def page_of_two(desk_of_two, browser):
+    with opened(desk_of_two, browser) as shown:
+        yield shown
 
 
 def asked(desk):
@@ -321,3 +346,55 @@ def test_a_page_whose_console_died_is_grey(desk, browser, tmp_path):
     finally:
         process.kill()
         process.wait()
+
+
+def test_one_uav_has_no_rows_and_no_name(page):
+    assert page.locator(".uavs").count() == 0
+    assert page.locator(".banner .state").inner_text() == "IN FORMATION"
+    assert page.get_by_role("button", name="disengage (hold 1 s)", exact=True).count() == 1
+
+
+def test_every_uav_has_a_row_and_is_on_the_map(page_of_two):
+    page = page_of_two
+    sizes = page.evaluate(
+        "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
+    )
+    assert sizes[0] <= 1280
+    assert sizes[1] <= 800
+    rows = page.locator(".uavrow")
+    assert rows.count() == 2
+    for text in ("uav2", "leg", "10 m", "250 m", "IN FORMATION", "heartbeat 0.3 s", "2 points"):
+        assert text in rows.nth(1).inner_text()
+    labels = page.locator("svg .callsign").all_text_contents()
+    assert {"H", "uav1", "uav2"} <= set(labels)
+
+
+def test_the_worst_alert_is_in_the_banner_and_sounds_whichever_is_chosen(desk_of_two, page_of_two):
+    page = page_of_two
+    page.get_by_role("button", name="checklist").click()
+    page.get_by_text("Sound heard").click()
+    page.get_by_role("button", name="close").click()
+    await_true(lambda: page.evaluate("window.beeps") >= 1)
+    were = page.evaluate("window.beeps")
+    choose(desk_of_two, "well warning")
+    page.wait_for_selector(".banner.warning", timeout=WAIT_MS)
+    assert page.locator(".banner .state").inner_text() == "uav2: SEPARATION"
+    assert page.locator(".uavrow.warning").count() == 1
+    assert "uav1" in page.locator(".uavrow.chosen").inner_text()
+    await_true(lambda: page.evaluate("window.beeps") > were)
+
+
+def test_what_is_asked_for_is_asked_of_the_uav_that_is_chosen(desk_of_two, page_of_two):
+    page = page_of_two
+    page.get_by_role("button", name="engage uav1", exact=True).click()
+    page.get_by_role("button", name="uav2", exact=True).click()
+    page.get_by_role("button", name="return home uav2", exact=True).click()
+    page.wait_for_selector(".uavrow.chosen >> text=uav2", timeout=WAIT_MS)
+    assert page.get_by_role("button", name="engage uav1", exact=True).count() == 0
+    box = page.get_by_role("button", name="disengage uav2").bounding_box()
+    page.mouse.move(box["x"] + 20, box["y"] + 20)
+    page.mouse.down()
+    page.wait_for_timeout(1400)
+    page.mouse.up()
+    wanted = [["engage", "uav1"], ["return_home", "uav2"], ["disengage", "uav2"]]
+    await_true(lambda: asked(desk_of_two) == wanted)

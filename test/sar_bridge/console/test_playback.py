@@ -29,7 +29,7 @@ def flown():
 def test_it_begins_at_its_beginning_and_tells_its_span():
     desk = PlaybackDesk(flown(), Search(), standing)
     assert desk.span_s() == (BEGUN_S, BEGUN_S + 100.0)
-    assert desk.snapshot().uav is None
+    assert desk.snapshots()[""].uav is None
 
 
 @given(st.lists(st.floats(BEGUN_S, BEGUN_S + 100.0), min_size=1, max_size=20))
@@ -37,7 +37,7 @@ def test_any_time_shows_what_was_known_then_whatever_was_shown_before(times):
     desk = PlaybackDesk(flown(), Search(), standing)
     for time_s in times:
         desk.seek(time_s)
-        snapshot = desk.snapshot()
+        snapshot = desk.snapshots()[""]
         assert snapshot.lag_m == int(time_s - BEGUN_S)
         assert snapshot.uav_age_s == pytest.approx(time_s - BEGUN_S - int(time_s - BEGUN_S))
         assert len(snapshot.tracks[1]) == pytest.approx(int(time_s - BEGUN_S) + 2, abs=1)
@@ -48,22 +48,34 @@ def test_it_plays_and_stands():
     desk = PlaybackDesk(flown(), Search(), lambda: now[0], speed=10.0)
     desk.ask("play")
     now[0] = 9.0
-    assert desk.snapshot().now_s == BEGUN_S + 20.0
+    assert desk.snapshots()[""].now_s == BEGUN_S + 20.0
     desk.ask("pause")
     now[0] = 50.0
-    assert desk.snapshot().now_s == BEGUN_S + 20.0
+    assert desk.snapshots()[""].now_s == BEGUN_S + 20.0
     desk.ask("play")
     now[0] = 100.0
-    assert desk.snapshot().now_s == BEGUN_S + 100.0
+    assert desk.snapshots()[""].now_s == BEGUN_S + 100.0
 
 
 def test_what_can_be_recorded_alone_can_not_be_done():
     desk = PlaybackDesk(flown(), Search(), standing)
     assert "engage" not in desk.actions
     desk.mark(1.0, 2.0)
-    assert desk.snapshot().marks == ()
+    assert desk.snapshots()[""].marks == ()
 
 
 def test_an_empty_flight_is_one_line():
     with pytest.raises(ValueError, match="nothing to show"):
         PlaybackDesk([], Search(), standing)
+
+
+def test_every_uav_of_a_flight_is_shown():
+    told = [(at_s, topic.replace("/", "/uav2/", 1), value) for at_s, topic, value in flown()]
+    told += [(at_s, topic.replace("/", "/uav1/", 1), value) for at_s, topic, value in flown()]
+    told.append((BEGUN_S, topics.DIAGNOSTICS, (Health("estimator"),)))
+    desk = PlaybackDesk(told, Search(), standing)
+    desk.seek(BEGUN_S + 30.0)
+    assert list(desk.snapshots()) == ["uav1", "uav2"]
+    for uav, snapshot in desk.snapshots().items():
+        assert (snapshot.callsign, snapshot.lag_m) == (uav, 30.0)
+        assert set(snapshot.nodes) == {"planner", "estimator"}

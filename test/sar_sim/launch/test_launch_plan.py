@@ -8,13 +8,17 @@ from sar_sim.launch.launch_plan import (
     parameter_document,
     plan_nodes,
     read_tuned,
+    with_autopilots,
 )
+from sar_sim.scenario.formation import Member
 from sar_sim.scenario.scenario import Scenario, ScenarioError
 
 
 def plan(options, tuned=None):
+    given = [options.autopilot] if options.autopilot else []
+    scenario = with_autopilots(Scenario(), given)
     specs = plan_nodes(
-        Scenario(), Path("s.yaml"), options, bag=Path("bag"), port=15000, tuned=tuned or {}
+        scenario, Path("s.yaml"), options, bag=Path("bag"), ports=[15000], tuned=tuned or {}
     )
     return {spec.executable: spec.parameters for spec in specs}
 
@@ -137,7 +141,7 @@ def test_parameter_files():
 
 def test_parameter_document_has_a_block_per_node():
     specs = plan_nodes(
-        Scenario(), Path("s.yaml"), FlightOptions(), bag=Path("bag"), port=1, tuned={}
+        Scenario(), Path("s.yaml"), FlightOptions(), bag=Path("bag"), ports=[1], tuned={}
     )
     document = parameter_document(specs)
     assert document["bridge"]["ros__parameters"]["autopilot_url"] == "udp:127.0.0.1:1"
@@ -159,3 +163,56 @@ def test_parameter_document_has_a_block_per_node():
 )
 def test_in_a_corner_the_leg_is_the_one_before_it(corner, rule, phase, leg):
     assert leg_flown(corner, rule, phase) == leg
+
+
+PAIR = Scenario(formation=[Member("uav1"), Member("uav2", "outside", system_id=2)])
+
+
+def planned(scenario, options, ports):
+    return plan_nodes(scenario, Path("s.yaml"), options, bag=Path("bag"), ports=ports, tuned={})
+
+
+def test_every_uav_has_planner_monitor_and_bridge_in_its_namespace():
+    specs = planned(PAIR, FlightOptions(console=8080), [15000, 15001])
+    nodes = {spec.name: spec.parameters for spec in specs}
+    own = [f"{uav}/{node}" for uav in ("uav1", "uav2") for node in ("planner", "monitor", "bridge")]
+    assert list(nodes) == ["record", "estimator", *own, "console", "sim"]
+    assert nodes["uav2/planner"]["slot_side"] == "outside"
+    assert nodes["uav2/planner"]["yields_to"] == ["uav1"]
+    assert "yields_to" not in nodes["uav1/planner"]  # an empty list has no type in ROS
+    assert nodes["uav1/monitor"]["others"] == ["uav2"]
+    assert nodes["uav2/monitor"]["others"] == ["uav1"]
+    bridges = [nodes["uav1/bridge"], nodes["uav2/bridge"]]
+    assert [one["autopilot_url"][-5:] for one in bridges] == ["15000", "15001"]
+    assert [one["altitude_m"] for one in bridges] == [150.0, 210.0]
+    assert [one["target_system"] for one in bridges] == [1, 2]
+    assert nodes["console"]["uavs"] == ["uav1", "uav2"]
+    assert nodes["sim"]["mavlink_ports"] == [15000, 15001]
+    document = parameter_document(specs)
+    assert document["/uav2/planner"]["ros__parameters"] == nodes["uav2/planner"]
+    assert document["estimator"]["ros__parameters"] == nodes["estimator"]
+
+
+def test_autopilots_are_given_by_name():
+    given = ["uav2=tcp:127.0.0.1:5770", "uav1=udp:127.0.0.1:14550"]
+    flown = with_autopilots(PAIR, given)
+    assert [one.autopilot for one in flown.formation] == [
+        "udp:127.0.0.1:14550",
+        "tcp:127.0.0.1:5770",
+    ]
+    assert with_autopilots(PAIR, []) == PAIR
+    alone = with_autopilots(Scenario(), ["/dev/ttyUSB0,57600"])
+    assert alone.formation[0].autopilot == "/dev/ttyUSB0,57600"
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (["tcp:h:1"], r"--autopilot tcp:h:1: expected NAME=URL, one of uav1, uav2"),
+        (["uav3=tcp:h:1"], r"--autopilot uav3=tcp:h:1: expected one of uav1, uav2"),
+        (["uav1=tcp:h:1"], r"--autopilot: none for uav2: expected one for each UAV"),
+    ],
+)
+def test_autopilots_that_do_not_fit_the_formation_are_refused(given, message):
+    with pytest.raises(ScenarioError, match=message):
+        with_autopilots(PAIR, given)

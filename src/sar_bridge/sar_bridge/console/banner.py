@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import enum
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
-from sar_bridge.console.snapshot import LEADING, STALE_S, Snapshot
+from sar_bridge.console.snapshot import LEADING, OWN, STALE_S, Snapshot
 from sar_estimator.common.states import Phase
 
 FIGURES = re.compile(r"-?[\d.]+")
@@ -39,18 +39,29 @@ NAMES = {
 
 @dataclass(frozen=True, slots=True)
 class Banner:
-    """``state`` in a few words, ``reason`` as it was told, ``action``: what to do."""
+    """``state`` in a few words, ``reason`` as it was told, ``action``: what to do.
+
+    ``is_shared``: whether it is the same for all UAVs; else ``of``: the one that it is of, empty
+    for one without a name.
+    """
 
     urgency: Urgency
     state: str
     reason: str = ""
     action: str = ""
     acknowledged: bool = False
+    is_shared: bool = False
+    of: str = ""
+
+    @property
+    def title(self) -> str:
+        """Its state, and whose it is where there are others."""
+        return f"{self.of}: {self.state}" if self.of else self.state
 
     @property
     def key(self) -> str:
         """What it is about, whatever its figures are: by which it is acknowledged."""
-        return FIGURES.sub("", f"{self.state}|{self.reason}")
+        return f"{self.of}|" + FIGURES.sub("", f"{self.state}|{self.reason}")
 
     @property
     def sounds(self) -> bool:
@@ -60,11 +71,14 @@ class Banner:
 
 def banner(snapshot: Snapshot) -> Banner:
     """Return what matters most; the urgent before the rest, in the order of the checks."""
-    found = list(_findings(snapshot))
-    worst = max(found, key=lambda one: one.urgency)
-    if worst.key == snapshot.quiet:
-        return Banner(worst.urgency, worst.state, worst.reason, worst.action, acknowledged=True)
-    return worst
+    found = max(_findings(snapshot), key=lambda one: one.urgency)
+    found = replace(found, of="" if found.is_shared else snapshot.callsign)
+    return replace(found, acknowledged=found.key == snapshot.quiet)
+
+
+def worst(banners: Iterable[Banner]) -> Banner:
+    """Return the most urgent of several UAVs' banners, before those that are acknowledged."""
+    return max(banners, key=lambda one: (one.urgency, one.sounds))
 
 
 def _findings(snapshot: Snapshot) -> Iterator[Banner]:
@@ -107,7 +121,7 @@ def _nodes(snapshot: Snapshot) -> Iterator[Banner]:
         if told is not None and told.is_stale and not snapshot.is_playback:
             reason = f"node {name} silent for {told.age_s:.0f} s"
             do = "It is started again by itself. Be ready to take the UAV by its RC."
-            yield Banner(urgency, "SYSTEM", reason, do)
+            yield Banner(urgency, "SYSTEM", reason, do, is_shared=name not in OWN)
 
 
 def _aircraft(snapshot: Snapshot) -> Iterator[Banner]:
@@ -117,7 +131,8 @@ def _aircraft(snapshot: Snapshot) -> Iterator[Banner]:
         snapshot.helicopter is not None and snapshot.helicopter_age_s > STALE_S
     ):
         do = "Check the receiver. Fly straight on; the UAV goes out of the way."
-        yield Banner(urgency, "HELICOPTER GPS LOST", _problem(snapshot, "estimator"), do)
+        reason = _problem(snapshot, "estimator")
+        yield Banner(urgency, "HELICOPTER GPS LOST", reason, do, is_shared=True)
     bridge = snapshot.node("bridge")
     if bridge is not None and not bridge.is_stale and not snapshot.status.connected:
         do = "Check the radio. The UAV's own failsafe acts."
@@ -138,7 +153,8 @@ def _planner(snapshot: Snapshot) -> Iterator[Banner]:
     for name, told in sorted(snapshot.nodes.items()):
         if name != "planner" and not told.is_stale and told.health.problem:
             state = "RECORDER" if name == "record" else name.upper()
-            yield Banner(Urgency.CAUTION, state, told.health.problem, "")
+            shared = name not in OWN
+            yield Banner(Urgency.CAUTION, state, told.health.problem, is_shared=shared)
 
 
 def _problem(snapshot: Snapshot, name: str) -> str:

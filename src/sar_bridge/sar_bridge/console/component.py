@@ -1,4 +1,4 @@
-"""The console as a component: everything that is told in; snapshots for the page out."""
+"""The console of a UAV as a component: what is told in; snapshots for the page out."""
 
 from __future__ import annotations
 
@@ -44,15 +44,19 @@ class _Track:
 
 
 class ConsoleComponent(Component):
-    """Keeps what is told; ages are by the clock of ``now_s`` [s], which need not be the graph's."""
+    """Keeps what is told of a UAV.
+
+    Ages are by the clock of ``now_s`` [s], which need not be the graph's.
+    """
 
     name = "console"
     outputs = (topics.DIAGNOSTICS, topics.TARGET)
     period_s = 1.0
 
-    def __init__(self, *, is_playback: bool = False) -> None:
-        """Have heard nothing."""
+    def __init__(self, uav: str = "", *, is_playback: bool = False) -> None:
+        """Have heard nothing; ``uav``: its namespace, empty for none."""
         super().__init__()
+        self.uav = uav
         self._is_playback = is_playback
         self._clear()
         self.inputs = {topic: self._keeper(topic) for topic in KEPT} | {
@@ -132,6 +136,7 @@ class ConsoleComponent(Component):
         uav = newest.get(topics.UAV_ODOMETRY)
         told = {name: newest[topic] for topic, name in KEPT.items() if name and topic in newest}
         return Snapshot(
+            callsign=self.uav,
             now_s=now_s,
             helicopter=helicopter,
             helicopter_age_s=self._age_s(topics.HELICOPTER_ODOMETRY, now_s),

@@ -26,7 +26,7 @@ def lights(snapshot: Snapshot, free_gb: float) -> list[Light]:
     names = [*LEADING, *(name for name in OTHERS if snapshot.node(name) is not None)]
     return [
         _receiver(snapshot),
-        _link(snapshot),
+        link(snapshot),
         *(_node(name, snapshot.node(name)) for name in names),
         *([] if snapshot.is_playback else [_disk(free_gb)]),
     ]
@@ -46,7 +46,8 @@ def _receiver(snapshot: Snapshot) -> Light:
     return Light("GPS", Urgency.WARNING if lost else Urgency.NORMAL, ", ".join(parts))
 
 
-def _link(snapshot: Snapshot) -> Light:
+def link(snapshot: Snapshot) -> Light:
+    """Return the light of the UAV's link."""
     told = snapshot.node("bridge")
     if told is None:
         return Light("LINK", Urgency.IDLE, "no bridge yet")

@@ -23,23 +23,23 @@ class LiveDesk:
 
     def __init__(
         self,
-        snapshot: Callable[[], Snapshot],
-        ask: Callable[[str], None],
+        snapshots: Callable[[], dict[str, Snapshot]],
+        ask: Callable[[str, str], None],
         acknowledge: Callable[[], None],
         mark: Callable[[float, float], None],
         search: Search,
         folder: str,
     ) -> None:
-        """Show what ``snapshot`` gives; ``folder``: on the recorder's disk."""
-        self._snapshot, self._ask, self._acknowledge = snapshot, ask, acknowledge
+        """Show what ``snapshots`` gives, by UAV; ``folder``: on the recorder's disk."""
+        self._snapshots, self._ask, self._acknowledge = snapshots, ask, acknowledge
         self._mark = mark
         self.search = search
         self._folder = folder
         self._free: tuple[float, float] = (0.0, -1e9)
 
-    def snapshot(self) -> Snapshot:
-        """Return what is known now."""
-        return self._snapshot()
+    def snapshots(self) -> dict[str, Snapshot]:
+        """Return what is known now, by UAV."""
+        return self._snapshots()
 
     def free_gb(self) -> float:
         """Return the space on the recorder's disk [GB], looked at now and then."""
@@ -48,9 +48,9 @@ class LiveDesk:
             self._free = shutil.disk_usage(self._folder).free / 1e9, now
         return self._free[0]
 
-    def ask(self, action: str) -> None:
-        """Ask for something."""
-        self._ask(action)
+    def ask(self, action: str, uav: str) -> None:
+        """Ask for something of a UAV."""
+        self._ask(action, uav)
 
     def acknowledge(self) -> None:
         """Take the banner for known."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from nicegui import events, ui
@@ -45,7 +45,7 @@ class MapPanel:
         """Build it where the page is being built."""
         self._search, self._mark, self._tiles = search, mark, tiles
         self._view, self._reach, self._track_up = View(), 2, False
-        self._snapshot = Snapshot()
+        self._snapshot, self._others = Snapshot(), tuple[Snapshot, ...]()
         self._place = 0.0, 0.0
         self._gaps: BaseGeometry | None = None
         self._gaps_s = -math.inf
@@ -64,12 +64,12 @@ class MapPanel:
 
     def _zoom(self, steps: int) -> None:
         self._reach = min(max(self._reach + steps, 0), len(REACHES_M) - 1)
-        self.update(self._snapshot)
+        self.update(self._snapshot, self._others)
 
     def _turn(self) -> None:
         self._track_up = not self._track_up
         self._up.set_text("track up" if self._track_up else "north up")
-        self.update(self._snapshot)
+        self.update(self._snapshot, self._others)
 
     def _touch(self, event: events.MouseEventArguments) -> None:
         datum: Datum | None = self._snapshot.datum
@@ -89,11 +89,16 @@ class MapPanel:
         self._mark(*self._place)
         self._marking.close()
 
-    def update(self, snapshot: Snapshot) -> None:
-        """Show what is known; what was left out is worked out now and then."""
-        self._snapshot, now = snapshot, time.monotonic()
+    def update(self, snapshot: Snapshot, others: Sequence[Snapshot] = ()) -> None:
+        """Show what is known; what was left out is worked out now and then.
+
+        ``others``: of the UAVs that are not chosen.
+        """
+        self._snapshot, self._others, now = snapshot, tuple(others), time.monotonic()
         if now - self._gaps_s > GAPS_S or snapshot.is_playback:
-            self._gaps, self._gaps_s = left_out(snapshot.tracks, self._search), now
+            tracks = (*snapshot.tracks, *(one.tracks[1] for one in others))
+            slots = [one.slot for one in (snapshot, *others)]
+            self._gaps, self._gaps_s = left_out(tracks, self._search, slots), now
         turned = self._track_up and snapshot.leg is not None
         self._view = replace(
             self._view,
@@ -104,4 +109,6 @@ class MapPanel:
         under, datum = "", snapshot.datum
         if self._tiles is not None and datum is not None:
             under = self._tiles.picture(self._view, datum)
-        self._map.set_content(picture(snapshot, self._view, self._search, self._gaps, under))
+        self._map.set_content(
+            picture(snapshot, self._view, self._search, self._gaps, under, others)
+        )

@@ -24,6 +24,7 @@ RING_SHARES = (0.25, 0.5, 0.75)
 SIMPLER_PX, SIMPLER_M = 1.5, 5.0
 SIGMAS = 2.0
 NAUTICAL_MILE_M = 1852.0
+SIDES = {"right": 1, "left": -1}
 AIRCRAFT = "M0,-13 L8,10 L0,5 L-8,10 Z"
 
 
@@ -90,43 +91,75 @@ class Search:
     spacing_m: float = 250.0
     turn_side: int = 1
 
+    def place_m(self, slot: str) -> float:
+        """Return how far right of the helicopter a slot is [m], as a planner names it; or inside.
 
-def left_out(tracks: tuple[FloatArray, FloatArray], search: Search) -> BaseGeometry:
-    """Return what both should have seen beside the helicopter's track, and did not.
+        ``outside``, ``left 2``: two tracks to the left.
+        """
+        side, _, tracks = slot.partition(" ")
+        other = -self.turn_side if side == "outside" else self.turn_side
+        count = int(tracks) if tracks.isdecimal() else 1
+        return SIDES.get(side, other) * count * self.spacing_m
+
+
+def left_out(
+    tracks: Sequence[FloatArray], search: Search, slots: Sequence[str] = ()
+) -> BaseGeometry:
+    """Return what all should have seen beside the helicopter's track, and did not.
+
+    ``tracks``: the helicopter's, and the UAVs', whose ``slots`` are as their planners name them.
 
     A strip from the outer edge of the helicopter's swath to that of a UAV in its place; the last
     stretch, where the UAV is still to come, is not counted.
     """
-    helicopter, uav = tracks
-    if len(helicopter) < 2 or len(uav) < 2:
+    helicopter, *uavs = tracks
+    named = zip(uavs, slots or [""] * len(uavs), strict=True)
+    led = [(uav, slot) for uav, slot in named if len(uav) >= 2]
+    if len(helicopter) < 2 or not led:
         return shapely.Polygon()
     half = 0.5 * search.swath_m
     track = _simpler(helicopter, SIMPLER_M)
     done_m = max(track.length - 2.0 * search.spacing_m, 1.0)
     flown = shapely.ops.substring(track, 0.0, done_m)
-    asked = flown.buffer(-search.turn_side * (search.spacing_m + half), single_sided=True)
-    asked = asked.union(flown.buffer(half, cap_style="flat"))
-    seen = shapely.union_all([_simpler(one, SIMPLER_M).buffer(half) for one in (helicopter, uav)])
+    asked = flown.buffer(half, cap_style="flat")
+    for place_m in {search.place_m(slot) for _, slot in led}:
+        reach_m = place_m + math.copysign(half, place_m)
+        asked = asked.union(flown.buffer(-reach_m, single_sided=True))
+    looked = (helicopter, *(uav for uav, _ in led))
+    seen = shapely.union_all([_simpler(one, SIMPLER_M).buffer(half) for one in looked])
     return asked.buffer(0.0).difference(seen).buffer(-5.0)
 
 
 def picture(
-    snapshot: Snapshot, view: View, search: Search, gaps: BaseGeometry | None, under: str = ""
+    snapshot: Snapshot,
+    view: View,
+    search: Search,
+    gaps: BaseGeometry | None,
+    under: str = "",
+    others: Sequence[Snapshot] = (),
 ) -> str:
-    """Return the map as the inside of an SVG element; ``under``: what lies below it all."""
+    """Return the map as the inside of an SVG element.
+
+    ``under``: what lies below it all. ``others``: of the UAVs that are not chosen.
+    """
     parts = [under]
     if snapshot.datum is not None:
         parts += _graticule(snapshot.datum, view)
     parts += _areas(gaps, view)
-    for name, track in zip(("helicopter", "uav"), snapshot.tracks, strict=True):
+    uavs = [*((one, "uav other") for one in others), (snapshot, "uav")]
+    tracks = [("helicopter", snapshot.tracks[0]), *((name, one.tracks[1]) for one, name in uavs)]
+    for name, track in tracks:
         width = search.swath_m * view.scale
         parts.append(_line(track, view, f"swath {name}", f'stroke-width="{width:.0f}"'))
-    for name, track in zip(("helicopter", "uav"), snapshot.tracks, strict=True):
+    for name, track in tracks:
         parts.append(_line(track, view, f"track {name}"))
-    parts += _plan(snapshot, view)
+    for one, _ in uavs:
+        parts += _plan(one, view)
     parts += _stop(snapshot, view)
-    parts += _marks(snapshot, view)
-    parts += _aircraft(snapshot, view)
+    parts += _marks([one for one, _ in uavs], view)
+    parts += _helicopter(snapshot, view)
+    for one, name in uavs:
+        parts += _uav(one, view, name)
     return "".join(parts)
 
 
@@ -245,10 +278,11 @@ def _stop(snapshot: Snapshot, view: View) -> list[str]:
     ]
 
 
-def _marks(snapshot: Snapshot, view: View) -> list[str]:
-    """Return what was marked: rings with their numbers."""
+def _marks(snapshots: Sequence[Snapshot], view: View) -> list[str]:
+    """Return what was marked: rings with their numbers, once what several planners were told."""
     found: list[str] = []
-    for mark in snapshot.marks:
+    marks = [mark for one in snapshots for mark in one.marks]
+    for mark in {(mark.number, round(mark.x_m), round(mark.y_m)): mark for mark in marks}.values():
         ((x, y),) = view.to_px(np.array([(mark.x_m, mark.y_m)]))
         found.append(f'<path class="mark" d="M{x - 9:.0f},{y:.0f} h18 m-9,-9 v18"/>')
         found.append(f'<circle class="mark" cx="{x:.0f}" cy="{y:.0f}" r="9"/>')
@@ -256,8 +290,8 @@ def _marks(snapshot: Snapshot, view: View) -> list[str]:
     return found
 
 
-def _aircraft(snapshot: Snapshot, view: View) -> list[str]:
-    """Return both aircraft, and rings about the helicopter: the least separation among them."""
+def _helicopter(snapshot: Snapshot, view: View) -> list[str]:
+    """Return the helicopter, and rings about it: the least separation among them."""
     found: list[str] = []
     if snapshot.helicopter is not None:
         motion = snapshot.helicopter.motion
@@ -271,11 +305,16 @@ def _aircraft(snapshot: Snapshot, view: View) -> list[str]:
             found.append(_circle(place, snapshot.least_separation_m, view, "least"))
         old = snapshot.helicopter_age_s > STALE_S
         found.append(_symbol(motion.pose, view, "helicopter", "H", old=old))
-    if snapshot.uav is not None:
-        uav = snapshot.uav
-        pose = Pose(uav.motion.x_m, uav.motion.y_m, uav.yaw_rad)
-        found.append(_symbol(pose, view, "uav", "UAV", old=snapshot.uav_age_s > STALE_S))
     return found
+
+
+def _uav(snapshot: Snapshot, view: View, kind: str) -> list[str]:
+    if snapshot.uav is None:
+        return []
+    uav = snapshot.uav
+    pose = Pose(uav.motion.x_m, uav.motion.y_m, uav.yaw_rad)
+    old = snapshot.uav_age_s > STALE_S
+    return [_symbol(pose, view, kind, snapshot.callsign or "UAV", old=old)]
 
 
 def _round(distance_m: float) -> float:
@@ -297,7 +336,7 @@ def _symbol(pose: Pose, view: View, kind: str, label: str, *, old: bool) -> str:
     return (
         f'<g class="{kind}{" old" if old else ""}" transform="translate({x:.0f},{y:.0f})">'
         f'<path d="{AIRCRAFT}" transform="rotate({turn:.0f})"/>'
-        f'<text class="callsign" x="14" y="4">{label}</text></g>'
+        f'<text class="callsign" x="14" y="4">{escape(label)}</text></g>'
     )
 
 

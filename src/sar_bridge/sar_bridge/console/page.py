@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from html import escape
 from typing import Protocol
@@ -12,15 +12,17 @@ from typing import Protocol
 from nicegui import events, ui
 
 from sar_bridge.console.alarm import Alarm
-from sar_bridge.console.banner import NAMES, SHAPES, Banner, banner
+from sar_bridge.console.banner import NAMES, SHAPES, Banner, banner, worst
 from sar_bridge.console.checklist import BY_HAND, checklist
 from sar_bridge.console.figures import Figure, figures
 from sar_bridge.console.lights import lights
 from sar_bridge.console.map_panel import MapPanel, button
 from sar_bridge.console.map_view import Search, trend
+from sar_bridge.console.rows import Row, row
 from sar_bridge.console.snapshot import Snapshot
 from sar_bridge.console.style import CSS, SCRIPT
 from sar_bridge.console.tiles import Tiles
+from sar_bridge.services import SERVICES
 
 UPDATE_S = 0.5
 HOLD_S = 1.0
@@ -37,16 +39,16 @@ class Desk(Protocol):
     search: Search
     actions: tuple[str, ...]
 
-    def snapshot(self) -> Snapshot:
-        """Return what is known now."""
+    def snapshots(self) -> Mapping[str, Snapshot]:
+        """Return what is known now, by UAV: always the same ones; one alone may have no name."""
         ...
 
     def free_gb(self) -> float:
         """Return the space on the recorder's disk [GB]."""
         ...
 
-    def ask(self, action: str) -> None:
-        """Ask for something; what is answered is in a later snapshot."""
+    def ask(self, action: str, uav: str) -> None:
+        """Ask for something of a UAV; what is answered is in a later snapshot."""
         ...
 
     def acknowledge(self) -> None:
@@ -72,18 +74,24 @@ class Page:
     def __init__(self, desk: Desk, tiles: Tiles | None) -> None:
         """Build it; ``tiles``: what lies under the map."""
         self._desk, self._tiles = desk, tiles
-        self._alarm, self._sounds = Alarm(), False
+        self._alarms, self._sounds = {uav: Alarm() for uav in desk.snapshots()}, False
+        self._chosen = next(iter(self._alarms))
+        self._rows: dict[str, tuple[ui.element, dict[str, ui.label]]] = {}
+        self._asking: dict[str, ui.button] = {}
         self._look = PALETTES[0]
         self._held_s: dict[str, float] = {}
         ui.add_css(CSS)
         ui.add_head_html(SCRIPT)
-        with ui.element("div").classes("desk"):
+        several = len(self._alarms) > 1
+        with ui.element("div").classes("desk several" if several else "desk"):
             self._build_banner()
+            if several:
+                self._build_rows()
             self._build_map()
             self._build_side()
             self._build_buttons()
         self._build_checklist()
-        self.update()
+        self._choose(self._chosen)
         ui.timer(UPDATE_S, self.update)
 
     # Built once --------------------------------------------------------------------------------
@@ -94,6 +102,22 @@ class Page:
             self._state = ui.label().classes("state")
             self._reason = ui.label().classes("reason")
             self._action = ui.label().classes("action")
+
+    def _build_rows(self) -> None:
+        """Build a row for each UAV; its name chooses it."""
+        with ui.element("div").classes("uavs panel"):
+            for uav, snapshot in self._desk.snapshots().items():
+                shown = row(snapshot, banner(snapshot))
+                with ui.element("div").classes("uavrow") as element:
+                    button(shown.name, self._chooser(uav))
+                    cells = {one.name: self._build_cell(one) for one in shown.cells}
+                self._rows[uav] = element, cells
+
+    @staticmethod
+    def _build_cell(figure: Figure) -> ui.label:
+        with ui.element("div").classes(f"cell {figure.name.split()[-1]}"):
+            ui.label(figure.name).classes("name")
+            return ui.label(figure.text).classes("value")
 
     def _build_map(self) -> None:
         mark = self._desk.mark if "mark" in self._desk.actions else None
@@ -134,8 +158,7 @@ class Page:
                 if action == "disengage":
                     self._build_held(action)
                 else:
-                    text = action.replace("_", " ")
-                    button(text, self._asker(action))
+                    self._asking[action] = button(action, self._asker(action))
             button("acknowledge", self._acknowledge)
             span = self._desk.span_s()
             if span is not None:
@@ -144,7 +167,7 @@ class Page:
                 self._slider.on("change", lambda event: self._seek(event.args))
 
     def _build_held(self, action: str) -> None:
-        held = button(f"{action} (hold 1 s)").classes("hold")
+        held = self._asking[action] = button(action).classes("hold")
 
         def down() -> None:
             self._held_s[action] = time.monotonic()
@@ -152,18 +175,18 @@ class Page:
         def up() -> None:
             held_s = time.monotonic() - self._held_s.pop(action, math.inf)
             if held_s >= HOLD_S:
-                self._desk.ask(action)
+                self._desk.ask(action, self._chosen)
 
         held.on("pointerdown", down, [])
         held.on("pointerup", up, [])
         held.on("pointerleave", lambda: self._held_s.pop(action, None), [])
 
     def _asker(self, action: str) -> Callable[[], None]:
-        return lambda: self._desk.ask(action)
+        return lambda: self._desk.ask(action, self._chosen)
 
     def _build_checklist(self) -> None:
         with ui.dialog() as self._dialog, ui.card():
-            ui.label("Before engaging").classes("text-h6")
+            self._before = ui.label().classes("text-h6")
             self._checks = ui.html("", sanitize=False).classes("checks")
             for text in BY_HAND:
                 ui.checkbox(text)
@@ -171,6 +194,21 @@ class Page:
             button("close", self._dialog.close)
 
     # What the browser's user does --------------------------------------------------------------
+
+    def _chooser(self, uav: str) -> Callable[[], None]:
+        return lambda: self._choose(uav)
+
+    def _choose(self, uav: str) -> None:
+        """Have figures, lights, checklist and buttons be a UAV's; what is being held ends."""
+        self._chosen = uav
+        self._held_s.clear()
+        name = uav or ("UAV" if self._rows else "")
+        for action, asking in self._asking.items():
+            whose = f" {name}" if name and action in SERVICES else ""
+            hold = " (hold 1 s)" if action == "disengage" else ""
+            asking.set_text(action.replace("_", " ") + whose + hold)
+        self._before.set_text(f"Before engaging {name}".rstrip())
+        self.update()
 
     def _open_checklist(self) -> None:
         self._dialog.open()
@@ -200,9 +238,14 @@ class Page:
 
     def update(self) -> None:
         """Show what is known now."""
-        snapshot, free_gb = self._desk.snapshot(), self._desk.free_gb()
-        self._update_banner(banner(snapshot))
-        self._map.update(snapshot)
+        snapshots, free_gb = self._desk.snapshots(), self._desk.free_gb()
+        banners = {uav: banner(one) for uav, one in snapshots.items()}
+        self._update_banner(worst(banners.values()))
+        self._sound(banners)
+        for uav in self._rows:
+            self._update_row(uav, row(snapshots[uav], banners[uav]))
+        snapshot = snapshots[self._chosen]
+        self._map.update(snapshot, [one for one in snapshots.values() if one is not snapshot])
         for figure in figures(snapshot):
             element, value = self._shown[figure.name]
             value.set_text(figure.text)
@@ -230,13 +273,28 @@ class Page:
         self._banner.classes(remove=" ".join(NAMES.values()), add=NAMES[shown.urgency])
         self._shape.set_text(SHAPES[shown.urgency])
         known = " (acknowledged)" if shown.acknowledged else ""
-        self._state.set_text(shown.state + known)
+        self._state.set_text(shown.title + known)
         self._reason.set_text(shown.reason)
         self._action.set_text(shown.action)
-        tone = self._alarm.due(shown, time.monotonic()) if self._sounds else None
-        if tone is not None:
-            hertz, seconds = tone
+
+    def _sound(self, banners: Mapping[str, Banner]) -> None:
+        """Sound for any UAV; the highest tone where several are due."""
+        if not self._sounds:
+            return
+        now = time.monotonic()
+        due = [alarm.due(banners[uav], now) for uav, alarm in self._alarms.items()]
+        tones = [tone for tone in due if tone is not None]
+        if tones:
+            hertz, seconds = max(tones)
             ui.run_javascript(f"beep({hertz}, {seconds})")
+
+    def _update_row(self, uav: str, shown: Row) -> None:
+        element, cells = self._rows[uav]
+        kind = NAMES[shown.urgency] + (" chosen" if uav == self._chosen else "")
+        element.classes(remove=" ".join((*NAMES.values(), "chosen")), add=kind)
+        for cell in shown.cells:
+            cells[cell.name].set_text(cell.text)
+            cells[cell.name].classes(**({"add": "stale"} if cell.is_stale else {"remove": "stale"}))
 
     def _update_checks(self, snapshot: Snapshot, free_gb: float) -> None:
         rows = []

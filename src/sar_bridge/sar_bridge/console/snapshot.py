@@ -26,6 +26,8 @@ NODE_STALE_S = 3.0
 """Nodes tell how they are once a second, some 1.2 s apart at most."""
 LEADING = ("estimator", "planner", "monitor", "bridge")
 """The nodes without which the UAV is not led."""
+OWN = frozenset(LEADING[1:])
+"""Those of them that each UAV has for itself."""
 EMPTY: FloatArray = np.empty((0, 2))
 
 
@@ -48,13 +50,15 @@ class Told:
 
 @dataclass(frozen=True)
 class Snapshot:
-    """All that is known at ``now_s`` [s], and how old the aircraft's positions are [s].
+    """All that is known of a UAV at ``now_s`` [s], and how old the aircraft's positions are [s].
 
-    ``tracks``: helicopter's and UAV's, each of shape (n, 2) [m]. ``trend``: times before now, and
-    horizontal separations, shape (n, 2) [s, m]. ``quiet``: the banner's text that was acknowledged.
-    ``answers``: what was asked for last, and what was answered.
+    ``callsign``: of the UAV, empty where there is one alone. ``tracks``: helicopter's and UAV's,
+    each of shape (n, 2) [m]. ``trend``: times before now, and horizontal separations, shape (n, 2)
+    [s, m]. ``quiet``: the banner's text that was acknowledged. ``answers``: what was asked for
+    last, and what was answered.
     """
 
+    callsign: str = ""
     now_s: float = 0.0
     datum: Datum | None = None
     helicopter: HelicopterReport | None = None
@@ -85,6 +89,12 @@ class Snapshot:
     def engaged(self) -> bool:
         """Whether the planner leads the UAV."""
         return self.rule not in ("", "idle")
+
+    @property
+    def slot(self) -> str:
+        """Where the UAV's place is, as its planner names it: ``left``, ``right 2``; else empty."""
+        planner = self.node("planner")
+        return "" if planner is None else planner.value("slot")
 
     @property
     def horizontal_m(self) -> float | None:

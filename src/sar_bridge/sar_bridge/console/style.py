@@ -15,6 +15,22 @@ body { background: var(--back); color: var(--ink); font-family: system-ui, sans-
 .nicegui-content { padding: 0; gap: 0; width: 100vw; height: 100vh; }
 .desk { display: grid; width: 100%; height: 100%; gap: 6px; padding: 6px; box-sizing: border-box;
   grid-template: "banner banner" auto "map side" 1fr "buttons side" auto / 1fr 356px; }
+.desk.several { grid-template: "banner banner" auto "uavs side" auto "map side" 1fr
+  "buttons side" auto / 1fr 356px; }
+.uavs { grid-area: uavs; display: flex; flex-direction: column; gap: 4px; min-width: 0; }
+.uavrow { display: grid; gap: 8px; align-items: center; padding: 2px 6px; border-radius: 6px;
+  border-left: 8px solid var(--idle); min-width: 0;
+  grid-template-columns: 84px 70px 50px 56px 56px minmax(0, 1fr) 66px minmax(0, 1.2fr) 82px; }
+.uavrow.normal { border-color: var(--normal); } .uavrow.caution { border-color: var(--caution); }
+.uavrow.warning { border-color: var(--warning); } .uavrow.chosen { background: var(--back); }
+.uavrow .q-btn { min-height: 44px; text-transform: none; font-weight: 700;
+  color: var(--ink) !important; }
+.uavrow.chosen .q-btn { border: 3px solid var(--ink); }
+.cell { min-width: 0; } .cell .name { font-size: 12px; color: var(--dim); }
+.cell .value { font-size: 15px; font-weight: 600; line-height: 1.15; overflow: hidden;
+  text-overflow: ellipsis; white-space: nowrap; }
+.cell.alert .value, .cell.link .value, .cell.list .value { font-size: 13px; white-space: normal;
+  max-height: 2.3em; }
 .banner { grid-area: banner; display: flex; align-items: center; gap: 16px; padding: 6px 14px;
   border-radius: 6px; color: var(--on); min-height: 66px; }
 .banner.idle { background: var(--idle); } .banner.normal { background: var(--normal); }
@@ -64,6 +80,7 @@ svg .swath { fill: none; stroke-opacity: 0.22; stroke-linejoin: round; }
 svg .swath.helicopter { stroke: var(--heli); } svg .swath.uav { stroke: var(--uav); }
 svg .track { fill: none; stroke-width: 2; } svg .track.helicopter { stroke: var(--heli); }
 svg .track.uav { stroke: var(--uav); }
+svg .track.other { stroke-opacity: 0.6; } svg .swath.other { stroke-opacity: 0.14; }
 svg .gap { fill: var(--gap); fill-opacity: 0.55; }
 svg .plan { fill: none; stroke: var(--plan); stroke-width: 3; stroke-dasharray: 9 5; }
 svg .plandot { fill: var(--plan); }

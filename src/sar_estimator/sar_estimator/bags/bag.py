@@ -162,6 +162,12 @@ def open_bag(path: Path) -> Iterator[AnyReader]:
         yield stack.enter_context(AnyReader([whole], default_typestore=TYPESTORE))
 
 
+def topics_in(path: Path) -> set[str]:
+    """Return the topics that a bag has."""
+    with open_bag(path) as reader:
+        return {connection.topic for connection in reader.connections}
+
+
 def read_messages(path: Path, topics: set[str] | None = None) -> Iterator[tuple[str, float, Any]]:
     """Yield (topic, time [s], message) in the order of the bag, of all or the named topics.
 

@@ -21,14 +21,15 @@ def parameters(node: Node, kind: type[T]) -> T:
     """Return a checked dataclass filled from parameters of the same names (tuples as lists).
 
     A field whose default is None is a number that is not set while it is 0. Each parameter has its
-    field's bounds as range, and is described as in the docstring of the dataclass. None can be
-    changed in flight: nodes read them when they start. Raises ``ValueError``: name, value, and
-    what was expected.
+    field's bounds as range, and is described as in the docstring of the dataclass. Only those named
+    in its ``CHANGEABLE`` can be changed in flight: nodes read them when they start. Raises
+    ``ValueError``: name, value, and what was expected.
     """
     texts, bounds = descriptions(kind), bounds_of(kind)
     values = {}
     for name, default in defaults_of(kind).items():
         descriptor = described(name, default, texts.get(name, ""), bounds[name])
+        descriptor.read_only = name not in getattr(kind, "CHANGEABLE", ())
         value = _declared(node, default, descriptor)
         values[name] = None if default is None and not value else value
     try:

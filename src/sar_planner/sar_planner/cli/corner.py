@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -13,10 +14,11 @@ import yaml
 
 from sar_estimator.common.checked import read
 from sar_planner.parameters.corner import RULE_SETS, CornerParameters, ParameterError
-from sar_planner.prediction.separation import closest_approach
+from sar_planner.prediction.separation import ClosestApproach, closest_approach
 from sar_planner.rules.deadbeat_automaton import DeadbeatAutomaton
+from sar_planner.rules.outside_rules import OutsideRules
 from sar_planner.rules.paper_automaton import PaperAutomaton
-from sar_planner.rules.paper_rules import CornerPlan, NoPathError, Rule, build
+from sar_planner.rules.paper_rules import OUTSIDE, CornerPlan, NoPathError, Rule, build
 from sar_planner.rules.rule_sets import make_rule_set
 
 FIELDS = {
@@ -28,7 +30,9 @@ FIELDS = {
     "taylor-y": "taylor_y_m",
     "separation": "min_separation_m",
 }
-FORCED = tuple(str(rule) for rule in Rule if rule is not Rule.RJ)
+FORCED = tuple(str(rule) for rule in Rule if rule not in (*OUTSIDE, Rule.RJ))
+SIDES = {"outside": "about the outside of the turn", "over": "over from its inside to its outside"}
+GRAPH_M, GRAPH_STEP_M = (-200, 600), 25
 PAPER_RULES = (Rule.T1, Rule.T2, Rule.T3, Rule.T4)
 
 
@@ -38,6 +42,8 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--rules", choices=RULE_SETS, default="deadbeat")
     parser.add_argument("--rule", choices=FORCED, help="this rule, whatever its domain")
     parser.add_argument("--lead", type=float, default=0.0, help="metres flown straight on first")
+    parser.add_argument("--side", choices=("inside", *SIDES), default="inside")
+    parser.add_argument("--turn", type=float, default=90.0, help="of --side outside, over: degrees")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--graph", action="store_true", help="print the automaton (fig. 8)")
     parser.add_argument("--params", type=Path, help="YAML file of corner parameters")
@@ -64,9 +70,8 @@ def _parameters(args: argparse.Namespace) -> CornerParameters:
     return read(CornerParameters, values)
 
 
-def summary(plan: CornerPlan) -> dict[str, object]:
+def summary(plan: CornerPlan, nearest: ClosestApproach) -> dict[str, object]:
     """Return the plan as the JSON object that ``corner --json`` prints."""
-    nearest = closest_approach(plan.path, plan.parameters)
     return {
         "rule": str(plan.rule),
         "lag_m": plan.lag_m,
@@ -83,8 +88,8 @@ def summary(plan: CornerPlan) -> dict[str, object]:
     }
 
 
-def _print_plan(plan: CornerPlan, *, as_json: bool) -> None:
-    values = summary(plan)
+def _print_plan(plan: CornerPlan, nearest: ClosestApproach, *, as_json: bool) -> None:
+    values = summary(plan, nearest)
     if as_json:
         sys.stdout.write(json.dumps(values) + "\n")
         return
@@ -111,10 +116,34 @@ def _plan(
     return build(Rule(rule), lag_m, automaton.parameters, lead_m=lead_m)
 
 
+def _outside(args: argparse.Namespace, parameters: CornerParameters) -> None:
+    """Print what the outside rules do."""
+    from_m = -parameters.spacing_m if args.side == "over" else parameters.spacing_m
+    rules = OutsideRules(parameters, math.radians(args.turn), from_m=from_m)
+    if args.graph:
+        sys.stdout.write(
+            f"{SIDES[args.side]}, {args.turn:g} degrees: L(k), rule, L(k+1), closest (metres)\n"
+        )
+        for lag in range(GRAPH_M[0], GRAPH_M[1] + 1, GRAPH_STEP_M):
+            try:
+                plan = rules.plan(lag, lead_m=args.lead, separation_m=parameters.separation_m)
+            except NoPathError:
+                sys.stdout.write(f"{lag:6d}  --\n")
+                continue
+            nearest = rules.closest(plan.path).distance_m
+            sys.stdout.write(f"{lag:6d}  {plan.rule} {plan.next_lag_m:8.1f} {nearest:8.1f}\n")
+    if args.lag is not None:
+        plan = rules.plan(args.lag, lead_m=args.lead, separation_m=parameters.separation_m)
+        _print_plan(plan, rules.closest(plan.path), as_json=args.json)
+
+
 def main(argv: list[str] | None = None) -> int:
     """Run the command; 2 on bad input."""
     args = _arguments(argv)
     try:
+        if args.side != "inside":
+            _outside(args, _parameters(args))
+            return 0
         rules = args.rules
         if args.rule is not None:
             rules = "paper" if args.rule in PAPER_RULES else "deadbeat"
@@ -123,7 +152,8 @@ def main(argv: list[str] | None = None) -> int:
             sys.stdout.write(automaton.describe() + "\n")
         if args.lag is not None:
             plan = _plan(automaton, args.lag, args.rule, args.lead)
-            _print_plan(plan, as_json=args.json)
+            nearest = closest_approach(plan.path, plan.parameters)
+            _print_plan(plan, nearest, as_json=args.json)
     except (ParameterError, NoPathError, ValueError, OSError) as error:
         sys.stderr.write(f"corner: {error}\n")
         return 2

@@ -73,13 +73,17 @@ class WaypointLists:
     def __init__(self, corner: CornerParameters, parameters: MissionParameters) -> None:
         """Nothing is listed yet."""
         self._p = parameters
-        apart = corner.separation_m + parameters.loiter_radius_m + parameters.separation_margin_m
-        self._aside_m = max(0.0, apart - corner.spacing_m)
+        self.set_corner(corner)
         self.side: int = parameters.turn_side
         self.tuning: L1Tuning | None = None
         self.air = AirEnvelope()
         self._listed: Pose | None = None
         self._guide: Guide | None = None
+
+    def set_corner(self, corner: CornerParameters) -> None:
+        """Take how far away the slot is."""
+        apart = corner.separation_m + self._p.loiter_radius_m + self._p.separation_margin_m
+        self._aside_m = max(0.0, apart - corner.spacing_m)
 
     def make(self, listing: Listing, uav: Motion) -> Listed | None:
         """Return what is to be listed; None where a slot track's list is not due."""

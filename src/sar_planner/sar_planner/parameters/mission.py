@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
@@ -16,7 +16,7 @@ from sar_estimator.common.checked import (
     Side,
 )
 from sar_planner.patterns.legs import PatternKind, PatternTerms
-from sar_planner.patterns.slot import Slot, SlotSide, SlotTracks
+from sar_planner.patterns.slot import INSIDE, Slot, SlotSide, SlotTracks
 
 
 @dataclass(frozen=True, slots=True, config=CHECKED)
@@ -80,6 +80,8 @@ class MissionParameters:
     same_mark_m: within which what is marked is a mark that is there already, moved.
     """
 
+    CHANGEABLE: ClassVar[frozenset[str]] = frozenset({"slot_side", "slot_tracks"})
+
     turn_side: Side = 1
     rules: str = "deadbeat"
     arc_spacing_m: NotNegative = 20.0
@@ -138,6 +140,8 @@ class MissionParameters:
             low, high = getattr(self, name)
             if low > high:
                 raise ValueError(f"{name} = {low}, {high}: expected low <= high")
+        if self.rules != "deadbeat" and self.slot != INSIDE:
+            raise ValueError(f"slot_side = {self.slot}: expected inside, with rules {self.rules}")
         if self.corner_speed_up > self.speed_trim:
             raise ValueError(
                 f"corner_speed_up = {self.corner_speed_up}: expected at most speed_trim = "

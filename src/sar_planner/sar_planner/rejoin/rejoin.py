@@ -38,6 +38,7 @@ FARTHEST = 200
 SLACK_S = 60.0
 LOOKED_AGAIN = (0.1, 0.2, 0.35, 0.5, 0.6, 0.7, 0.8)
 COSTLY_SHARE = 1.15
+MOST_ON_GRIDS_S = 600.0  # beyond it the slot is not free: who waits for that needs no better way
 SOON_ENOUGH = 1.03
 ENTRY_STEP_S = 0.05
 ENTRIES_SHARE = 2.0
@@ -338,7 +339,7 @@ def rejoin(task: RejoinTask) -> RejoinPlan | None:
     if plan is None or is_soon or not plan.kept:
         return plan
     plan = _looked_again(task, plan)
-    if plan.duration_s > COSTLY_SHARE * soonest_s:
+    if COSTLY_SHARE * soonest_s < plan.duration_s < MOST_ON_GRIDS_S:
         on_grid = _on_grids(task, plan)
         if on_grid is not plan:
             plan = _looked_again(task, on_grid)

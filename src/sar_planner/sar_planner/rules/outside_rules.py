@@ -25,7 +25,12 @@ from sar_estimator.common.pose import Pose
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.paths.flight_path import Arc, CornerFrame, FlightPath, Straight
 from sar_planner.prediction.forecast import cornering
-from sar_planner.prediction.separation import least_apart_m, sampling_slack_m
+from sar_planner.prediction.separation import (
+    ClosestApproach,
+    closest_over_time,
+    least_apart_m,
+    sampling_slack_m,
+)
 from sar_planner.rules.paper_rules import CornerPlan, NoPathError, Rule
 
 CUTS = 24
@@ -107,6 +112,10 @@ class OutsideRules:
         slack = sampling_slack_m(p.separation_m, p.turn_radius_m)
         apart = least_apart_m(path, (self._in_corner,), start_s=0.0, speed_mps=self._speed_mps)
         return apart - slack
+
+    def closest(self, path: FlightPath) -> ClosestApproach:
+        """Return the closest approach of a path."""
+        return closest_over_time(path, self._in_corner, start_s=0.0, speed_mps=self._speed_mps)
 
     def _paths(self, lag_m: float) -> Iterator[tuple[Rule, FlightPath]]:
         """Yield the paths there are, the one that is cut the least first."""

@@ -51,6 +51,12 @@ class Strategy(ABC):
         self.lists = WaypointLists(corner, mission)
         self.turns = TurnRadius(corner.turn_radius_m, corner.spacing_m)
 
+    def set_corner(self, corner: CornerParameters) -> None:
+        """Plan for a slot at the distance ``spacing_m``; the radius that was learnt stays."""
+        radius_m = max(corner.turn_radius_m, self.turns.radius_m)
+        self._corner = replace(corner, turn_radius_m=radius_m)
+        self.lists.set_corner(corner)
+
     def _learn_radius(self, *, on_path: bool) -> bool:
         """Plan with the radius that the UAV turns with; return whether it is news.
 

@@ -31,13 +31,15 @@ class AutopilotLink:
         clock: Monotonic,
         faults: list[Fault] | None = None,
         seed: int = 0,
+        *,
+        system: int = 1,
     ) -> None:
         """Send to a ground station at UDP ``port`` of loopback; ``faults``: what is injected."""
         self._server, self._clock = server, clock
         self._radio = FaultyRadio(faults or [], seed)
         self._faults = AutopilotFaults(faults or [])
         self._time_s = 0.0
-        self._link = Link(f"udpout:127.0.0.1:{port}", system=1, component=1)
+        self._link = Link(f"udpout:127.0.0.1:{port}", system=system, component=1)
 
     @property
     def heard(self) -> bool:

@@ -27,8 +27,9 @@ class AutopilotServer:
     telemetry is paced by the simulation's time.
     """
 
-    def __init__(self, autopilot: SimAutopilot, datum: Datum) -> None:
-        """Serve ``autopilot``, whose positions count from ``datum``."""
+    def __init__(self, autopilot: SimAutopilot, datum: Datum, *, system: int = 1) -> None:
+        """Serve ``autopilot``, whose positions count from ``datum``, as a MAVLink ``system``."""
+        self._system = system
         self._autopilot, self._datum = autopilot, datum
         self._mission = MissionServer(autopilot)
         self._parameters = parameter_values(autopilot.uav)
@@ -51,7 +52,7 @@ class AutopilotServer:
 
     def handle(self, message: mavlink.MAVLink_message, now_s: float) -> Messages:
         """Take a message; return the answers."""
-        if getattr(message, "target_system", 1) not in (0, 1):
+        if getattr(message, "target_system", 0) not in (0, self._system):
             return []
         handler = {
             "HEARTBEAT": self._heard,

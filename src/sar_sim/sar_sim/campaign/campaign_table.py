@@ -80,8 +80,23 @@ class Summary:
 
     @property
     def late_m(self) -> np.ndarray:
-        """All |L(k)| from the corner on that counts [m]."""
-        lags = [abs(lag) for m in self.missions for lag in m.lags_m[self.from_corner - 1 :]]
+        """All UAVs' |L(k)| from the corner on that counts [m], ends of cross legs left out."""
+        return self._late_m(cross_legs=False)
+
+    @property
+    def crossing_m(self) -> np.ndarray:
+        """The same at the ends of cross legs, where a U-turn is under way [m]."""
+        return self._late_m(cross_legs=True)
+
+    def _late_m(self, *, cross_legs: bool) -> np.ndarray:
+        terms = self.combination.scenario.pattern.terms
+        lags = [
+            abs(lag)
+            for mission in self.missions
+            for of_uav in (mission.lags_m, *mission.others_lags_m)
+            for leg, lag in enumerate(of_uav)
+            if leg >= self.from_corner - 1 and terms.is_cross_leg(leg) is cross_legs
+        ]
         return np.array(lags or [math.nan])
 
     def extra_by_rule_m(self) -> dict[str, FloatArray]:
@@ -109,10 +124,13 @@ class Summary:
             "extra_path_m": mean_of(extra),
             "separation_least_m": Estimate(min(apart)),
             "separation_m": mean_of(apart),
+            "uavs_apart_m": Estimate(min(m.uavs_apart_m for m in missions)),
+            "crossing_lag_p95_m": Estimate(float(np.percentile(self.crossing_m, 95))),
             "coverage_percent": mean_of([m.coverage_percent for m in missions]),
             "reached_percent": mean_of([m.reached_percent for m in missions]),
             "overlap_percent": mean_of([m.overlap_percent for m in missions]),
             "rate_km2_per_h": mean_of([m.rate_km2_per_h for m in missions]),
+            "alone_km2_per_h": mean_of([m.alone_km2_per_h for m in missions]),
             "lists_per_corner": mean_of([m.lists / max(1, len(m.lags_m)) for m in missions]),
             "escapes": Estimate(float(sum(m.alerts["escape"] for m in missions))),
         }
@@ -146,6 +164,8 @@ def _row_of(mission: Mission) -> dict[str, object]:
         "corner_rules": " ".join(mission.rules),
         "separation_m": mission.separation_m,
         "separation_s": mission.separation_s,
+        "others_lags_m": "; ".join(_list(lags) for lags in mission.others_lags_m),
+        "uavs_apart_m": mission.uavs_apart_m,
         "coverage_percent": mission.coverage_percent,
         "reached_percent": mission.reached_percent,
         "overlap_percent": mission.overlap_percent,
@@ -192,6 +212,11 @@ def line_of(one: Summary) -> str:
     said = sorted({problem for mission in one.missions for problem in mission.problems})
     extra, corners = v["extra_path_m"], v["corners_to_converge"]
     by_rule = [f"{rule} {spread_of(extras)}" for rule, extras in one.extra_by_rule_m().items()]
+    apart_m, crossing_m = v["uavs_apart_m"].value, v["crossing_lag_p95_m"].value
+    beside = f"; the helicopter alone {v['alone_km2_per_h'].value:.2f} km2/h"
+    beside += f"; UAVs in one layer {apart_m:.1f} m apart" if math.isfinite(apart_m) else ""
+    if math.isfinite(crossing_m):
+        beside += f"; |L| at ends of cross legs, p95 {crossing_m:.1f} m"
     return (
         f"{one.combination.name:34s}{v['late_lag_median_m'].value:10.1f}"
         f"{v['late_lag_p95_m'].value:8.1f}{v['late_lag_max_m'].value:8.1f}{within:8.1f}"
@@ -200,7 +225,7 @@ def line_of(one: Summary) -> str:
         f"    within {one.combination.tolerance_m:g} m for good: {good.text(1)} % of missions, "
         f"after {corners.text(1)} corners; extra path {extra.text(1)} m a corner\n"
         f"    coverage of what the helicopter's own track allows {v['reached_percent'].text(2)} %; "
-        f"{v['lists_per_corner'].text(1)} lists a corner\n"
+        f"{v['lists_per_corner'].text(1)} lists a corner{beside}\n"
         f"    extra path by rule, mean and 90 % of them [m]: {', '.join(by_rule) or '-'}\n"
         f"    {watched(one.missions)}" + (f"; said: {'; '.join(said)}" if said else "")
     )

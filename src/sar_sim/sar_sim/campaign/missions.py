@@ -39,7 +39,8 @@ class Mission:
     on, over ``covered_s``. ``false_corners``: predicted where there was none. ``alerts``: the
     monitors', and lists passed and refused, counted; ``problems``: what the planner said, without
     numbers. Lags, rules and problems are the first UAV's; ``others_lags_m``: of the others.
-    ``uavs_apart_m``: the least of two UAVs in one layer.
+    ``uavs_apart_m``: the least of two UAVs in one layer. ``alone_km2``: of the area seen, what the
+    helicopter saw.
     """
 
     seed: int
@@ -61,6 +62,7 @@ class Mission:
     problems: frozenset[str]
     others_lags_m: tuple[tuple[float, ...], ...] = ()
     uavs_apart_m: float = math.inf
+    alone_km2: float = math.nan
 
     @property
     def extra_m(self) -> tuple[float, ...]:
@@ -69,6 +71,11 @@ class Mission:
             lag - predicted
             for lag, predicted in zip(self.lags_m[1:], self.predicted_m, strict=False)
         )
+
+    @property
+    def alone_km2_per_h(self) -> float:
+        """What of it the helicopter alone sees in an hour [km^2/h]."""
+        return 3600.0 * self.alone_km2 / self.covered_s if self.covered_s > 0.0 else math.nan
 
     @property
     def rate_km2_per_h(self) -> float:
@@ -190,13 +197,14 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
 
     flight.run(observe=observe)
     world = flight.world
-    coverage, reached, overlap, seen_km2, covered_s = math.nan, math.nan, math.nan, math.nan, 0.0
+    coverage = reached = overlap = seen_km2 = alone_km2 = math.nan
+    covered_s = 0.0
     first = covered_from(scenario.pattern.terms)
     if len(world.corners) >= first:
         area = covered(world, seen.track)
         coverage, overlap = area.percent, area.overlap_percent
         reached = area.reached_percent
-        seen_km2 = area.covered_m2 / 1e6
+        seen_km2, alone_km2 = area.covered_m2 / 1e6, area.alone_m2 / 1e6
         covered_s = world.time_s - world.corners[first - 1].stop_time_s
     return Mission(
         scenario.gps.seed,
@@ -218,6 +226,7 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
         frozenset(problems),
         tuple(tuple(lags) for lags in seen.lags_m[1:]),
         seen.uavs_apart_m,
+        alone_km2,
     )
 
 

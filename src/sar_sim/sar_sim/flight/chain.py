@@ -11,14 +11,17 @@ from sar_estimator.common.reports import UavStatus, Uploaded
 from sar_planner.component import PlannerComponent
 from sar_planner.mission_planner import MissionPlanner
 from sar_planner.strategies.active_corner import Mode
-from sar_sim.autopilot.autopilot import SimAutopilot
+from sar_sim.autopilot.autopilot import FlightMode, SimAutopilot
 from sar_sim.autopilot.presets import parameter_values
 from sar_sim.flight.bus import Bus, Joined, Listener
 from sar_sim.flight.upload import SimulatedBridge
 
 
 class Chain:
-    """Leads one UAV. ``name``: its namespace. ``planner``, ``monitor``: the components."""
+    """Leads one UAV. ``name``: its namespace. ``planner``, ``monitor``: the components.
+
+    ``is_led``: until it goes home.
+    """
 
     def __init__(
         self,
@@ -32,6 +35,7 @@ class Chain:
         self.name, self.planner, self.monitor = name, planner, monitor
         self._bridge, self._autopilot = bridge, autopilot
         self._told_mode = ""
+        self.is_led = True
 
     @property
     def mission(self) -> MissionPlanner:
@@ -79,10 +83,17 @@ class Chain:
 
     def decide(self, bus: Bus) -> None:
         """Have the planner decide; engaged as soon as it agrees."""
+        if not self.is_led:
+            return
         if self.mission.mode is Mode.IDLE:
             self.ask(bus, topics.ENGAGE)
         else:
             bus.tick(self.planner, self.name)
+
+    def leave(self) -> None:
+        """Send the UAV home, as its pilot does: it is led no more."""
+        self._autopilot.set_mode(FlightMode.RTL)
+        self.is_led = False
 
     def ask(self, bus: Bus, service: str) -> Answer:
         """Ask the planner for something; return its answer."""

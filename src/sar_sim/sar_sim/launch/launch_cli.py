@@ -31,6 +31,7 @@ from sar_sim.launch.launch_plan import (
     parameter_document,
     plan_nodes,
     read_tuned,
+    with_autopilots,
 )
 from sar_sim.launch.watcher_node import HANGS_S, Watcher, start_watching
 from sar_sim.scenario.faults import NodeFaults
@@ -63,7 +64,7 @@ class Flight:
         parameters.write_text(yaml.safe_dump(parameter_document(specs)), encoding="utf-8")
         logs = out / "log"
         logs.mkdir(exist_ok=True)
-        self._specs, self._parameters, self._logs = specs, parameters, logs
+        self.specs, self._parameters, self._logs = specs, parameters, logs
         self.nodes: list[NodeProcess] = []
         self.restarts = 0
         self._faults, self._speed = NodeFaults(scenario.faults, (*NODES, "dds")), speed
@@ -72,7 +73,7 @@ class Flight:
 
     def start(self) -> None:
         """Start every node, unless the flight shall end already."""
-        for spec in self._specs:
+        for spec in self.specs:
             if self.stopped_by:
                 return
             self.nodes.append(self._run(spec))
@@ -80,7 +81,9 @@ class Flight:
     def _run(self, spec: NodeSpec) -> NodeProcess:
         program = Path(get_package_prefix(spec.package), "lib", spec.package, spec.executable)
         command = [str(program), "--ros-args", "--params-file", str(self._parameters)]
-        return NodeProcess(spec.executable, command, self._logs / f"{spec.executable}.log")
+        if spec.uav:
+            command += ["-r", f"__ns:=/{spec.uav}"]
+        return NodeProcess(spec.name, command, self._logs / f"{spec.name.replace('/', '_')}.log")
 
     def restart(self, node: NodeProcess) -> bool:
         """Start a node again that has ended in flight; return False where that is no use.
@@ -97,14 +100,14 @@ class Flight:
             self.nodes.remove(node)
             return True
         hopeless = node.exit_code in (0, 2) or node.age_s < SETTLED_S
-        if node.name not in LEADING or hopeless or self.restarts >= RESTARTS:
+        if not leads(node) or hopeless or self.restarts >= RESTARTS:
             return False
         self.restarts += 1
         sys.stderr.write(
             f"launch: node {node.name} ended with exit code {node.exit_code}: started again; "
             f"its last lines:\n{node.last_lines()}\n"
         )
-        spec = next(item for item in self._specs if item.executable == node.name)
+        spec = next(item for item in self.specs if item.name == node.name)
         self.nodes[self.nodes.index(node)] = self._run(spec)
         return True
 
@@ -116,7 +119,7 @@ class Flight:
         """Return a node that has ended, None while all run."""
         return next((node for node in self.nodes if node.exit_code is not None), None)
 
-    def watch(self, watcher: Watcher, engaging: Persistent | None) -> NodeProcess | None:
+    def watch(self, watcher: Watcher, engaging: dict[str, Persistent]) -> NodeProcess | None:
         """Show progress until a node ends for good or a signal comes; return the node."""
         terminal = sys.stdout.isatty()
         told = 0.0
@@ -129,12 +132,14 @@ class Flight:
             if ended is not None and not self.restart(ended):
                 return ended
             watcher.listen(0.1)
-            answer = engaging.ask() if engaging is not None else ""
-            if answer:
-                sys.stdout.write(f"\nengage: {answer}\n" if terminal else f"engage: {answer}\n")
+            for uav, asking in engaging.items():
+                answer = asking.ask()
+                if answer:
+                    text = f"{uav} engage: {answer}".lstrip()
+                    sys.stdout.write(f"\n{text}\n" if terminal else f"{text}\n")
             self._inject(watcher.time_s(self._speed))
             for node in self.nodes:
-                if node.name in LEADING and node.age_s > HANGS_S and watcher.hangs(node.name):
+                if leads(node) and node.age_s > HANGS_S and watcher.hangs(node.name):
                     sys.stderr.write(f"launch: node {node.name} hangs: killed\n")
                     node.kill()
             if time.monotonic() - told > (TELL_TERMINAL_S if terminal else TELL_FILE_S):
@@ -150,7 +155,7 @@ class Flight:
             if self._cut is not None and name == "dds":
                 (self._cut.on if action == "go on" else self._cut.off)()
             for node in self.nodes:
-                if node.name == name:
+                if kind_of(node) == name:
                     node.signal(FAULT_SIGNALS[action])
 
     def stop(self) -> None:
@@ -158,6 +163,16 @@ class Flight:
         for node in reversed(self.nodes):
             if not node.stop():
                 sys.stderr.write(f"launch: {node.name} did not stop and was killed\n")
+
+
+def kind_of(node: NodeProcess) -> str:
+    """Return a node's name without its namespace."""
+    return node.name.rpartition("/")[2]
+
+
+def leads(node: NodeProcess) -> bool:
+    """Whether a node is started again when it ends or hangs."""
+    return kind_of(node) in LEADING
 
 
 def free_port(kind: socket.SocketKind = socket.SOCK_DGRAM) -> int:
@@ -172,7 +187,11 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     add_flight_options(parser, rule_sets=PLANNERS)
     parser.add_argument("--speed", type=float, help="times real time, default 10 in simulation")
     parser.add_argument(
-        "--autopilot", default="", metavar="URL", help="udp:H:P, tcp:H:P or /dev/NAME,BAUD"
+        "--autopilot",
+        action="append",
+        default=[],
+        metavar="[NAME=]URL",
+        help="udp:H:P, tcp:H:P or /dev/NAME,BAUD; with the UAV's name where there are several",
     )
     parser.add_argument(
         "--engage", action="store_true", help="lead that autopilot's UAV as soon as it can be led"
@@ -204,10 +223,12 @@ def prepare(args: argparse.Namespace) -> Flight:
 
     Raises ``ValueError`` in one line.
     """
+    find_scenario(args.scenario)
+    scenario = with_autopilots(scenario_from(args), args.autopilot)
     helicopter = "topic" if args.gps and args.helicopter == "sim" else args.helicopter
     options = FlightOptions(
         helicopter,
-        args.autopilot,
+        scenario.formation[0].autopilot,
         args.rules,
         args.speed,
         simulation=not args.no_sim,
@@ -222,12 +243,11 @@ def prepare(args: argparse.Namespace) -> Flight:
         run_apart("sar_bridge.console.tiles:levels_of", args.tiles)
     if options.gps:
         check_url(options.gps)
-    if options.autopilot:
-        opener(options.autopilot)
+    for member in scenario.formation:
+        if member.autopilot:
+            opener(member.autopilot)
     for url in options.gcs:
         opener(url, "--gcs")
-    find_scenario(args.scenario)
-    scenario = scenario_from(args)
     if options.autopilot and options.helicopter == "sim" and scenario.datum == Scenario().datum:
         scenario = replace(scenario, datum=home_of(options.autopilot))
     run_apart("sar_planner.rules.rule_sets:check_planner", args.rules, scenario.corner)
@@ -238,7 +258,8 @@ def prepare(args: argparse.Namespace) -> Flight:
     out = new_run_folder(args.out).resolve()
     flown = out / "scenario.yaml"
     flown.write_text(yaml.safe_dump(scenario_document(scenario)), encoding="utf-8")
-    specs = plan_nodes(scenario, flown, options, bag=out / "bag", port=free_port(), tuned=tuned)
+    ports = [free_port() for _ in scenario.formation]
+    specs = plan_nodes(scenario, flown, options, bag=out / "bag", ports=ports, tuned=tuned)
     return Flight(specs, out, scenario, options.pace)
 
 
@@ -250,10 +271,11 @@ def main(argv: list[str] | None = None) -> int:
     except (OSError, ValueError, ParameterError) as error:
         sys.stderr.write(f"launch: {error}\n")
         return 2
-    watcher = start_watching()
-    engaging = (
-        Persistent(watcher, topics.name_of(topics.ENGAGE), ASK_AGAIN_S) if args.engage else None
-    )
+    watcher = start_watching([spec.uav for spec in flight.specs if spec.executable == "planner"])
+    engaging = {
+        name: Persistent(watcher, topics.name_of(topics.of_uav(topics.ENGAGE, name)), ASK_AGAIN_S)
+        for name in (watcher.uavs if args.engage else ())
+    }
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, flight.on_signal)
     failed = None

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +19,11 @@ ADDRESS_FILE = "console.txt"
 class FlightOptions:
     """What was asked for on the command line.
 
-    ``helicopter``: ``sim``, ``topic``, or the path of a track. ``autopilot``: a URL, empty for the
-    simulated UAV. ``speed``: times real time, None for the default. ``watch_only``: the monitor
-    says what it sees and does nothing. ``engage``: an autopilot that is not simulated here is
-    engaged as soon as the planner agrees. ``gps``: URL of the helicopter's receiver, empty where
-    another driver gives its fixes. ``gcs``: URLs of ground stations beside.
+    ``helicopter``: ``sim``, ``topic``, or the path of a track. ``autopilot``: the first UAV's URL,
+    empty where the UAVs are simulated. ``speed``: times real time, None for the default.
+    ``watch_only``: the monitor says what it sees and does nothing. ``engage``: an autopilot that is
+    not simulated here is engaged as soon as the planner agrees. ``gps``: URL of the helicopter's
+    receiver, empty where another driver gives its fixes. ``gcs``: URLs of ground stations beside.
     ``console``: port of the operator's page, 0 for none. ``tiles``: folder of map tiles for it.
     """
 
@@ -79,20 +80,31 @@ class FlightOptions:
 
 @dataclass(frozen=True)
 class NodeSpec:
-    """One process: the executable of a package, and its node's name and parameters."""
+    """One process: the executable of a package, and its node's name and parameters.
+
+    ``uav``: the namespace of a UAV's own node, empty for none.
+    """
 
     package: str
     executable: str
     parameters: dict[str, Any] = field(default_factory=dict)
+    uav: str = ""
+
+    @property
+    def name(self) -> str:
+        """The node's name with its namespace."""
+        return f"{self.uav}/{self.executable}" if self.uav else self.executable
 
 
-def _sim_parameters(scenario_file: Path, options: FlightOptions, port: int) -> dict[str, Any]:
+def _sim_parameters(
+    scenario_file: Path, options: FlightOptions, ports: Sequence[int]
+) -> dict[str, Any]:
     return {
         "scenario": str(scenario_file),
         "speed": options.pace,
         "uav": not options.autopilot,
         "follow_autopilot": bool(options.autopilot),
-        "mavlink_port": port,
+        "mavlink_ports": list(ports),
         "live_helicopter": options.live,
         "track": options.helicopter if options.recorded else "",
         "wait_for_listeners": 2,
@@ -107,18 +119,26 @@ def _estimator_parameters(scenario: Scenario, options: FlightOptions) -> dict[st
     return {f"datum_{key}": value for key, value in asdict(scenario.datum).items()}
 
 
-def _planner_parameters(scenario: Scenario, options: FlightOptions) -> dict[str, Any]:
+def _planner_parameters(scenario: Scenario, options: FlightOptions, number: int) -> dict[str, Any]:
+    member, pattern = scenario.formation[number], scenario.pattern
     corner = {key: value or 0.0 for key, value in asdict(scenario.corner).items()}
     return corner | {
         "rules": options.rules,
-        "pattern": scenario.pattern.kind,
-        "turn_side": scenario.pattern.turn_side,
+        "pattern": pattern.kind,
+        "turn_side": pattern.turn_side,
+        "first_leg_m": pattern.first_leg_m,
+        "track_spacing_m": pattern.track_spacing_m,
+        "slot_side": member.side,
+        "slot_tracks": member.tracks,
         "arc_spacing_m": scenario.arc_spacing_m,
+        "yields_to": [one.name for one in scenario.formation[:number]],
     }
 
 
-def _monitor_parameters(scenario: Scenario, options: FlightOptions) -> dict[str, Any]:
+def _monitor_parameters(scenario: Scenario, options: FlightOptions, number: int) -> dict[str, Any]:
+    formation = scenario.formation
     found = {
+        "others": [one.name for one in (*formation[:number], *formation[number + 1 :])],
         "min_separation_m": scenario.corner.separation_m,
         "speed_mps": scenario.corner.speed_mps,
         "accel_mps2": scenario.corner.accel_mps2,
@@ -136,6 +156,7 @@ def _console_parameters(scenario: Scenario, options: FlightOptions, bag: Path) -
         "address_file": str(bag.parent / ADDRESS_FILE),
         "folder": str(bag.parent),
         "tiles": options.tiles,
+        "uavs": [one.name for one in scenario.formation],
     }
 
 
@@ -145,41 +166,67 @@ def plan_nodes(
     options: FlightOptions,
     *,
     bag: Path,
-    port: int,
+    ports: Sequence[int],
     tuned: dict[str, dict[str, Any]],
 ) -> list[NodeSpec]:
     """Return the nodes in the order of their start, the recorder first.
 
-    ``tuned``: parameters from the parameter file by node name, over which the scenario's go.
+    ``ports``: of every UAV's link where it is simulated. ``tuned``: parameters from the parameter
+    file by node name, over which the scenario's go.
     """
     clock = {"use_sim_time": not options.live}
-    bridge = {
-        "autopilot_url": options.autopilot or f"udp:127.0.0.1:{port}",
-        "altitude_m": scenario.sensor.altitude_m,
-    }
-    if options.gcs:
-        bridge["gcs_url"] = " ".join(options.gcs)
-    wanted = [
-        ("sar_sim", "record", {"bag": str(bag)} | clock),
-        ("sar_estimator", "estimator", _estimator_parameters(scenario, options) | clock),
-        ("sar_planner", "planner", _planner_parameters(scenario, options) | clock),
-        ("sar_bridge", "monitor", _monitor_parameters(scenario, options) | clock),
-        ("sar_bridge", "bridge", bridge | clock),
+    wanted: list[tuple[str, str, dict[str, Any], str]] = [
+        ("sar_sim", "record", {"bag": str(bag)} | clock, ""),
+        ("sar_estimator", "estimator", _estimator_parameters(scenario, options) | clock, ""),
     ]
-    if options.console:
-        wanted.append(
-            ("sar_bridge", "console", _console_parameters(scenario, options, bag) | clock)
-        )
     if options.gps:
-        wanted.insert(1, ("sar_estimator", "gps", {"receiver": options.gps} | clock))
+        wanted.insert(1, ("sar_estimator", "gps", {"receiver": options.gps} | clock, ""))
+    for number, member in enumerate(scenario.formation):
+        planner = _planner_parameters(scenario, options, number)
+        monitor = _monitor_parameters(scenario, options, number)
+        bridge = _bridge_parameters(scenario, options, number, ports[number])
+        wanted += [
+            ("sar_planner", "planner", planner | clock, member.name),
+            ("sar_bridge", "monitor", monitor | clock, member.name),
+            ("sar_bridge", "bridge", bridge | clock, member.name),
+        ]
+    if options.console:
+        console = _console_parameters(scenario, options, bag) | clock
+        wanted.append(("sar_bridge", "console", console, ""))
     if options.simulation and not (options.live and options.autopilot):
-        wanted.append(("sar_sim", "sim", _sim_parameters(scenario_file, options, port)))
-    return [NodeSpec(package, name, tuned.get(name, {}) | own) for package, name, own in wanted]
+        wanted.append(("sar_sim", "sim", _sim_parameters(scenario_file, options, ports), ""))
+    return [
+        NodeSpec(package, name, _given(tuned.get(name, {}) | own), uav)
+        for package, name, own, uav in wanted
+    ]
+
+
+def _bridge_parameters(
+    scenario: Scenario, options: FlightOptions, number: int, port: int
+) -> dict[str, Any]:
+    member = scenario.formation[number]
+    found: dict[str, Any] = {
+        "autopilot_url": member.autopilot or f"udp:127.0.0.1:{port}",
+        "altitude_m": scenario.altitude_m(number),
+    }
+    if len(scenario.formation) > 1:
+        found["target_system"] = member.system_id
+    if options.gcs and number == 0:
+        found["gcs_url"] = " ".join(options.gcs)
+    return found
+
+
+def _given(parameters: dict[str, Any]) -> dict[str, Any]:
+    """Return parameters without empty lists, which have no type in ROS."""
+    return {key: value for key, value in parameters.items() if value != []}
 
 
 def parameter_document(specs: list[NodeSpec]) -> dict[str, Any]:
     """Return a ROS parameter file's content for the nodes."""
-    return {spec.executable: {"ros__parameters": spec.parameters} for spec in specs}
+    return {
+        f"/{spec.name}" if spec.uav else spec.executable: {"ros__parameters": spec.parameters}
+        for spec in specs
+    }
 
 
 def read_tuned(document: object, name: str) -> dict[str, dict[str, Any]]:
@@ -216,3 +263,26 @@ def leg_flown(corner: int, rule: str, phase: str) -> int:
     """
     in_corner = rule in set(Rule) or phase == "decelerating"
     return max(1, corner if in_corner else corner + 1)
+
+
+def with_autopilots(scenario: Scenario, given: Sequence[str]) -> Scenario:
+    """Return a scenario whose UAVs have the autopilots given: URL, or NAME=URL for each of several.
+
+    Raises ``ScenarioError`` where some have one and others have none.
+    """
+    names = [member.name for member in scenario.formation]
+    urls = {member.name: member.autopilot for member in scenario.formation}
+    for text in given:
+        name, is_named, url = text.rpartition("=")
+        if not is_named and len(names) > 1:
+            raise ScenarioError(f"--autopilot {text}: expected NAME=URL, one of {', '.join(names)}")
+        if is_named and name not in names:
+            raise ScenarioError(f"--autopilot {text}: expected one of {', '.join(names)}")
+        urls[name if is_named else names[0]] = url
+    without = [name for name, url in urls.items() if not url]
+    if without and len(without) < len(names):
+        raise ScenarioError(
+            f"--autopilot: none for {', '.join(without)}: expected one for each UAV"
+        )
+    formation = [replace(one, autopilot=urls[one.name]) for one in scenario.formation]
+    return replace(scenario, formation=formation)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import rclpy
@@ -23,30 +25,34 @@ SILENT_S = 2.0
 
 
 class Watcher(Node):
-    """Hears the nodes' diagnostics, for the progress line."""
+    """Hears the nodes' diagnostics, for the progress line. ``uavs``: the UAVs' names."""
 
-    def __init__(self) -> None:
-        """Subscribe."""
+    def __init__(self, uavs: Sequence[str] = ("",)) -> None:
+        """Subscribe to what all share, and to what is of every UAV."""
         super().__init__("launch")
+        self.uavs = tuple(uavs)
         self.values: dict[str, dict[str, str]] = {}
         self.problems: dict[str, str] = {}
         self.heard_s: dict[str, float] = {}
         self._newest_s = 0.0
         self._last_s = self._since_s = -math.inf
-        subscribe(self, topics.DIAGNOSTICS, self._on)
+        for uav in dict.fromkeys(("", *uavs)):
+            topic = topics.of_uav(topics.DIAGNOSTICS, uav)
+            subscribe(self, topic, partial(self._on, f"{uav}/" if uav else ""))
 
-    def _on(self, message: DiagnosticArray) -> None:
+    def _on(self, of: str, message: DiagnosticArray) -> None:
         self._newest_s = from_stamp(message.header.stamp)
         now = time.monotonic()
         if now - self._last_s > SILENT_S:
             self._since_s = now
         self._last_s = now
         for status in message.status:
-            self.heard_s[status.name] = now
-            self.values[status.name] = {item.key: item.value for item in status.values}
-            self.values[status.name]["time_s"] = str(message.header.stamp.sec)
+            name = of + status.name
+            self.heard_s[name] = now
+            self.values[name] = {item.key: item.value for item in status.values}
+            self.values[name]["time_s"] = str(message.header.stamp.sec)
             bad = int.from_bytes(status.level, "little") > 0
-            self.problems[status.name] = status.message if bad else ""
+            self.problems[name] = status.message if bad else ""
 
     def listen(self, timeout_s: float) -> None:
         """Take what is heard within ``timeout_s`` [s]."""
@@ -71,23 +77,26 @@ class Watcher(Node):
 
     def line(self, bag: Path) -> str:
         """Return progress in one line."""
-        planner = self.values.get("planner", {})
-        corner = int(planner.get("corner") or 0)
-        leg = leg_flown(corner, planner.get("rule", ""), planner.get("phase", ""))
-        parts = [
-            f"t {planner.get('time_s', '–')} s",
-            f"leg {leg}",
-            f"corner k={corner}",
-            f"rule {planner.get('rule', '–')}",
-            f"L {planner.get('lag_m') or '–'} m",
-            f"separation {planner.get('separation_m') or '–'} m",
-            f"bag {folder_bytes(bag) / 1e6:.1f} MB",
-        ]
+        planners = {
+            uav: self.values.get(f"{uav}/planner" if uav else "planner", {}) for uav in self.uavs
+        }
+        first = planners[self.uavs[0]]
+        corner = int(first.get("corner") or 0)
+        leg = leg_flown(corner, first.get("rule", ""), first.get("phase", ""))
+        parts = [f"t {first.get('time_s', '–')} s", f"leg {leg}", f"corner k={corner}"]
+        for uav, planner in planners.items():
+            parts += [uav] if uav else []
+            parts += [
+                f"rule {planner.get('rule', '–')}",
+                f"L {planner.get('lag_m') or '–'} m",
+                f"separation {planner.get('separation_m') or '–'} m",
+            ]
+        parts.append(f"bag {folder_bytes(bag) / 1e6:.1f} MB")
         worst = next((f"{name}: {text}" for name, text in self.problems.items() if text), "")
         return "  ".join([*parts, worst]).rstrip()
 
 
-def start_watching() -> Watcher:
-    """Start ROS, which leaves signals to the launcher, and watch."""
+def start_watching(uavs: Sequence[str]) -> Watcher:
+    """Start ROS, which leaves signals to the launcher, and watch the UAVs of these names."""
     start_ros(signal_handler_options=SignalHandlerOptions.NO)
-    return Watcher()
+    return Watcher(uavs)

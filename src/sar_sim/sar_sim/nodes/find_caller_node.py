@@ -27,11 +27,15 @@ class FindCaller:
         helicopter: Helicopter | None,
         mark: Callable[[float, float], None],
         again_s: float,
+        *,
+        uav: str = "",
     ) -> None:
         """Find nothing yet; nothing at all where the helicopter is not simulated.
 
-        ``mark``: tells of a place [m]. ``again_s``: between two requests, by a real clock.
+        ``mark``: tells of a place [m]. ``again_s``: between two requests, by a real clock. ``uav``:
+        the name of the one that orbits.
         """
+        self._uav = uav
         self._node, self._helicopter, self._mark = node, helicopter, mark
         self._finder = Finder(finds if helicopter is not None else [])
         self._again_s = again_s
@@ -50,7 +54,8 @@ class FindCaller:
             self._finder.granted()
             return
         if self._asking is None:
-            self._asking = Persistent(self._node, topics.name_of(what), self._again_s, UNANSWERED_S)
+            service = topics.name_of(topics.of_uav(what, self._uav))
+            self._asking = Persistent(self._node, service, self._again_s, UNANSWERED_S)
         told = self._asking.ask()
         if told:
             self._node.get_logger().info(f"{what}: {told}")

@@ -1,4 +1,4 @@
-"""Node ``sim``: the world, the simulated autopilot on a MAVLink link, and ``/clock``.
+"""Node ``sim``: the world, the simulated autopilots on MAVLink links, and ``/clock``.
 
 The node is the graph's clock, so it runs its own loop instead of an executor's timers.
 """
@@ -49,7 +49,6 @@ TOLD = (
     topics.FIX,
     topics.VELOCITY,
     topics.TRUE_HELICOPTER,
-    topics.TRUE_UAV,
     topics.TRUE_CORNER,
     topics.SCENARIO,
     topics.TARGET,
@@ -66,7 +65,7 @@ class SimNode(Node):
     """Flies a scenario at a multiple of real time, then ends."""
 
     def __init__(self) -> None:
-        """Read the scenario; create the world, the link and the topics."""
+        """Read the scenario; create the world, the links and the topics."""
         super().__init__("sim")
         own = parameters(self, SimParameters)
         if not own.scenario:
@@ -75,31 +74,51 @@ class SimNode(Node):
         self._speed = 1.0 if self._live else own.speed
         scenario = load_scenario(Path(own.scenario))
         self._world = self._make_world(scenario, own.track)
-        self._link: AutopilotLink | None = None
-        if own.uav:
-            server = AutopilotServer(self._world.autopilot, self._world.datum)
-            self._link = AutopilotLink(
-                server, own.mavlink_port, time.monotonic, scenario.faults, scenario.gps.seed
-            )
+        self._links = self._make_links(own.mavlink_ports) if own.uav else {}
         self._follower: AutopilotPacer | None = None
         if own.follow_autopilot:
             self._follower = AutopilotPacer(self._speed)
-            subscribe(self, topics.UAV_CLOCK, self._on_uav_clock)
+            first = scenario.formation[0].name
+            subscribe(self, topics.of_uav(topics.UAV_CLOCK, first), self._on_uav_clock)
         self._listeners, self._patience_s = own.wait_for_listeners, own.patience_s
         self._clock_sender = self.create_publisher(Clock, topics.CLOCK, RELIABLE)
-        self._senders = {topic: publisher(self, topic, ALL_WIRES) for topic in TOLD}
+        names = [member.name for member in scenario.formation]
+        told = [*TOLD, *(topics.of_uav(topics.TRUE_UAV, name) for name in names)]
+        self._senders = {topic: publisher(self, topic, ALL_WIRES) for topic in told}
         self._tell(topics.SCENARIO, scenario)
         self._corners = list(self._world.corners)
-        # A simulated UAV is engaged from here; a real one's operator does so himself.
-        self._engaging = Persistent(
-            self, topics.name_of(topics.ENGAGE), ENGAGE_PERIOD_S / self._speed
-        )
+        # Simulated UAVs are engaged from here; a real one's operator does so himself.
+        again_s = ENGAGE_PERIOD_S / self._speed
+        self._engaging = {name: self._asking(topics.ENGAGE, name, again_s) for name in names}
         self._finds = FindCaller(
-            self, scenario.finds, self._world.helicopter, self._mark, ENGAGE_PERIOD_S / self._speed
+            self, scenario.finds, self._world.helicopter, self._mark, again_s, uav=names[0]
         )
         self._steps = 0
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self)
+
+    def _asking(self, service: str, uav: str, again_s: float) -> Persistent:
+        return Persistent(self, topics.name_of(topics.of_uav(service, uav)), again_s)
+
+    def _make_links(self, ports: tuple[int, ...]) -> dict[str, AutopilotLink]:
+        """Return every UAV's link, by its name. Raises ``ValueError`` for too few ports."""
+        world, scenario = self._world, self._world.scenario
+        if len(ports) != len(world.autopilots):
+            expected = f"one for each of {len(world.autopilots)} UAVs"
+            raise ValueError(f"parameter mavlink_ports = {list(ports)}: expected {expected}")
+        return {
+            name: AutopilotLink(
+                AutopilotServer(autopilot, world.datum, system=member.system_id),
+                port,
+                time.monotonic,
+                scenario.faults,
+                scenario.gps.seed,
+                system=member.system_id,
+            )
+            for (name, autopilot), port, member in zip(
+                world.autopilots.items(), ports, scenario.formation, strict=True
+            )
+        }
 
     def _make_world(self, scenario: Scenario, track: str) -> World:
         if self._live:
@@ -119,9 +138,9 @@ class SimNode(Node):
         return Datum(origin.latitude, origin.longitude, origin.altitude), pose
 
     def close(self) -> None:
-        """Close the link."""
-        if self._link is not None:
-            self._link.close()
+        """Close the links."""
+        for link in self._links.values():
+            link.close()
 
     def fly(self) -> None:
         """Wait until the graph listens, then fly to the end. Raises ``ValueError`` when alone."""
@@ -129,8 +148,9 @@ class SimNode(Node):
         pacer: Pacer = self._follower or RealTimePacer(self._speed, time.monotonic())
         last_spin = 0.0
         while rclpy.ok() and not self._world.finished:
-            if self._link is not None and self._speed > 1.0:
-                pacer.stood(self._link.hold())
+            if self._speed > 1.0:
+                for link in self._links.values():
+                    pacer.stood(link.hold())
             wait = pacer.wait_s(self._world.time_s, time.monotonic())
             self._listen(min(wait, LONGEST_WAIT_S))
             if pacer.wait_s(self._world.time_s, time.monotonic()) <= 0.0:
@@ -139,8 +159,8 @@ class SimNode(Node):
             if now - last_spin > SPIN_PERIOD_S:
                 last_spin = now
                 self._executor.spin_once(timeout_sec=0.0)
-                if self._link is not None:
-                    self._engaging.ask()
+                for name in self._links:
+                    self._engaging[name].ask()
                 self._finds.ask(self._world.time_s)
 
     def _on_uav_clock(self, message: Clock) -> None:
@@ -150,23 +170,25 @@ class SimNode(Node):
 
     def _await_graph(self) -> None:
         """Hold the clock at its start until the graph has been complete for a moment."""
-        answers = Answers(self, ("estimator", "planner"))
+        planners = [f"/{name}/planner" if name else "planner" for name in self._engaging]
+        answers = Answers(self, ("estimator", *planners))
         deadline, ready_s = time.monotonic() + self._patience_s, math.inf
         while rclpy.ok():
             self._publish_clock()
             self._listen(0.05)
             self._executor.spin_once(timeout_sec=0.0)
             missing = answers.missing(time.monotonic())
-            if self._link is not None:
-                self._link.report(self._world.time_s)
-                if not self._link.heard:
-                    missing.append("bridge")
+            for name, link in self._links.items():
+                link.report(self._world.time_s)
+                if not link.heard:
+                    missing.append(f"bridge {name}".rstrip())
             heard_by = self._senders[topics.FIX].get_subscription_count()
             absent = 0 if self._live else self._listeners - heard_by
             if absent > 0:
                 missing.append(f"{absent} of the listeners on {topics.FIX}")
-            if not self._engaging.heard:
-                missing.append(f"the service {topics.ENGAGE}")
+            for name, engaging in self._engaging.items():
+                if not engaging.heard:
+                    missing.append(f"the service {topics.of_uav(topics.ENGAGE, name)}")
             if missing:
                 ready_s = math.inf
             elif time.monotonic() - (ready_s := min(ready_s, time.monotonic())) > SETTLE_S:
@@ -176,10 +198,10 @@ class SimNode(Node):
                 raise ValueError(f"not heard of within {self._patience_s} s: {names}")
 
     def _listen(self, timeout_s: float) -> None:
-        if self._link is None:
+        if not self._links:
             self._executor.spin_once(timeout_sec=timeout_s)
-        else:
-            self._link.listen(timeout_s)
+        for link in self._links.values():
+            link.listen(timeout_s / len(self._links))
 
     def _ros_time(self) -> float:
         if self._live:
@@ -202,20 +224,20 @@ class SimNode(Node):
                 self._tell(topic, value)
         if self._steps % STEPS_PER_TRUTH == 0:
             self._publish_truth()
-        if self._link is not None:
-            self._link.report(self._world.time_s)
+        for link in self._links.values():
+            link.report(self._world.time_s)
 
     def _publish_truth(self) -> None:
-        simulated = self._link is not None
         stamp = now_s(self) if self._live else self._world.true_s
-        for topic, truth in self._world.truth(stamp, uav=simulated):
+        for topic, truth in self._world.truth(stamp, uav=bool(self._links)):
             self._tell(topic, truth)
 
     def _mark(self, x_m: float, y_m: float) -> None:
         self._tell(topics.TARGET, Target(self._ros_time(), x_m, y_m))
 
     def _tell(self, topic: str, value: Any) -> None:
-        self._senders[topic].publish(ALL_WIRES[topic].to_message(value, self._ros_time()))
+        message = ALL_WIRES[topics.plain(topic)].to_message(value, self._ros_time())
+        self._senders[topic].publish(message)
 
 
 def main() -> int:

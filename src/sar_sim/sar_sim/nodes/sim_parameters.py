@@ -9,15 +9,17 @@ from pydantic.dataclasses import dataclass
 
 from sar_estimator.common.checked import CHECKED, NotNegative
 
+Port = Annotated[int, Field(ge=0, le=65535)]
+
 
 @dataclass(frozen=True, config=CHECKED)
 class SimParameters:
     """Parameters of the node.
 
     scenario: scenario file. speed: times real time. track: recorded track (CSV or bag) in the
-    place of the simulated helicopter. uav: whether the UAV is simulated too. mavlink_port: UDP port
-    of the ground station, on loopback. live_helicopter: only the UAV is simulated, beside a real
-    helicopter. follow_autopilot: go by the clock of a real or simulated autopilot.
+    place of the simulated helicopter. uav: whether the UAVs are simulated too. mavlink_ports: UDP
+    ports of their ground stations, on loopback. live_helicopter: only the UAVs are simulated,
+    beside a real helicopter. follow_autopilot: go by the clock of a real or simulated autopilot.
     wait_for_listeners: on `/helicopter/fix` (estimator, recorder), before the clock starts.
     patience_s: how long to wait for the graph.
     """
@@ -26,7 +28,7 @@ class SimParameters:
     speed: Annotated[float, Field(gt=0.0, le=100.0)] = 10.0
     track: str = ""
     uav: bool = True
-    mavlink_port: Annotated[int, Field(ge=0, le=65535)] = 14550
+    mavlink_ports: tuple[Port, ...] = (14550,)
     live_helicopter: bool = False
     follow_autopilot: bool = False
     wait_for_listeners: Annotated[int, Field(ge=0)] = 1

@@ -27,10 +27,12 @@ LEAST_LEG_M = 1e-3
 class Coverage:
     """Areas [m^2]: claimed, seen of it, seen by two aircraft or more; and the gaps as a geometry.
 
-    ``possible_m2``: of what is claimed, what UAVs in their ideal places would have left seen beside
-    the helicopter as it really flew; ``reached_m2``: what was seen of that.
+    ``alone_m2``: what of it the helicopter alone saw. ``possible_m2``: of what is claimed, what
+    UAVs in their ideal places would have left seen beside the helicopter as it really flew;
+    ``reached_m2``: what was seen of that.
     """
 
+    alone_m2: float
     claimed_m2: float
     covered_m2: float
     overlap_m2: float
@@ -163,6 +165,7 @@ def measure(
     seen = seen.intersection(claimed)
     possible = shapely.union_all([first, *swept[1:]]).intersection(claimed)
     return Coverage(
+        alone_m2=first.intersection(claimed).area,
         claimed_m2=claimed.area,
         covered_m2=seen.area,
         overlap_m2=twice.intersection(claimed).area,

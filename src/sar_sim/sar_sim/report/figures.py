@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from sar_sim.report.flight_data import FlightData
 from sar_sim.scenario.scenario import Sensor
 
 HELICOPTER, UAV, PLAN, GAP = "#c1440e", "#0b5394", "#2a9d8f", "#d62828"
+UAVS = (UAV, "#6a3d9a", "#b8860b", "#00796b")
 CUT_CORNERS = ("T1", "D1")
 RULE_MARKERS = {
     "T1": "s",
@@ -33,6 +35,9 @@ RULE_MARKERS = {
     "D2": "o",
     "D3": "^",
     "D4": "D",
+    "O1": "p",
+    "O2": "h",
+    "O3": "v",
     "RJ": "x",
 }
 
@@ -66,16 +71,18 @@ def _axes(figure: Figure, title: str) -> Axes:
     return axes
 
 
-def draw_map(data: FlightData, area: Coverage | None, out: Path) -> None:
-    """Draw both tracks, the corners, the swaths and the gaps (the paper's fig. 9)."""
+def draw_map(flights: Sequence[FlightData], area: Coverage | None, out: Path) -> None:
+    """Draw all tracks, the corners, the swaths and the gaps (the paper's fig. 9).
+
+    ``flights``: of every UAV behind one helicopter.
+    """
+    data = flights[0]
     figure = Figure(figsize=(9, 9), layout="constrained")
     title = "Aircraft paths" if area is None else f"Aircraft paths, coverage {area.percent:.2f} %"
     axes = _axes(figure, title)
     radius = read(Sensor, data.scenario.get("sensor", {}), "sensor", texts=True)
-    for track, colour, name in (
-        (data.helicopter, HELICOPTER, "helicopter"),
-        (data.uav, UAV, "UAV"),
-    ):
+    uavs = [(one.uav, UAVS[i % len(UAVS)], one.name or "UAV") for i, one in enumerate(flights)]
+    for track, colour, name in ((data.helicopter, HELICOPTER, "helicopter"), *uavs):
         if len(track) > 1:
             seen = swath(track.xy_m, radius.radius_m, footprint=radius.footprint)
             _fill(axes, seen, colour, 0.10, f"{name}'s swath")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from sar_estimator.bags.bag import read_messages
+from sar_estimator.bags.bag import read_messages, topics_in
 from sar_estimator.common import topics
 from sar_estimator.common.conversions import (
     list_id_of,
@@ -87,11 +87,12 @@ class PlannedCorner:
 
 @dataclass
 class FlightData:
-    """A flight. ``helicopter`` and ``uav`` are the true tracks where the bag has them.
+    """A UAV's flight. ``helicopter`` and ``uav`` are the true tracks where the bag has them.
 
-    ``planned``: by corner number. ``corners``: the true corners. ``mission``: the parameters that
-    were flown with, ``scenario``: what was simulated, empty for a real flight; both as texts by
-    key, since they may be of another version. ``monitor``: the monitor's last report.
+    ``name``: the UAV's, empty for one alone. ``planned``: by corner number. ``corners``: the true
+    corners. ``mission``: the parameters that were flown with, ``scenario``: what was simulated,
+    empty for a real flight; both as texts by key, since they may be of another version.
+    ``monitor``: the monitor's last report.
     """
 
     helicopter: Track
@@ -102,44 +103,78 @@ class FlightData:
     scenario: dict[str, Any]
     monitor: MonitorReport
     simulated: bool
+    name: str = ""
 
 
-def read_flight(bag: Path) -> FlightData:
-    """Read a bag. Raises ``ValueError`` when it has no position of either aircraft."""
-    samples: dict[str, list[tuple[float, float, float, float]]] = {}
-    lists: dict[tuple[str, int], FloatArray] = {}
-    records: dict[int, list[CornerRecord]] = {}
-    told: dict[str, list[Any]] = {}
-    for topic, _, message in read_messages(bag, WANTED):
+class _Told:
+    """What a bag tells of one UAV, or of what all share."""
+
+    def __init__(self) -> None:
+        self.samples: dict[str, list[tuple[float, float, float, float]]] = {}
+        self.lists: dict[tuple[str, int], FloatArray] = {}
+        self.records: dict[int, list[CornerRecord]] = {}
+        self.values: dict[str, list[Any]] = {}
+
+    def take(self, topic: str, message: Any) -> None:
         if topic in ODOMETRY:
             motion = odometry_to_motion(message)
             yaw = to_yaw(message.pose.pose.orientation)
-            samples.setdefault(topic, []).append((motion.time_s, motion.x_m, motion.y_m, yaw))
+            sample = motion.time_s, motion.x_m, motion.y_m, yaw
+            self.samples.setdefault(topic, []).append(sample)
         elif topic in LISTS:
-            lists[topic, list_id_of(message)] = path_to_points(message)
+            self.lists[topic, list_id_of(message)] = path_to_points(message)
         elif topic == topics.CORNER_PLAN:
             record = ALL_WIRES[topic].from_message(message)
-            records.setdefault(record.k, []).append(record)
+            self.records.setdefault(record.k, []).append(record)
         else:
-            told.setdefault(topic, []).append(ALL_WIRES[topic].from_message(message))
-    planned = {
-        k: PlannedCorner(
-            found,
-            lists.get((topics.WAYPOINTS, found[-1].list_id), NOWHERE),
-            lists.get((topics.CORNER_PATH, found[-1].list_id), NOWHERE),
+            self.values.setdefault(topic, []).append(ALL_WIRES[topic].from_message(message))
+
+    def flight(self, shared: _Told, name: str) -> FlightData:
+        """Return a UAV's flight, with what all share."""
+        planned = {
+            k: PlannedCorner(
+                found,
+                self.lists.get((topics.WAYPOINTS, found[-1].list_id), NOWHERE),
+                self.lists.get((topics.CORNER_PATH, found[-1].list_id), NOWHERE),
+            )
+            for k, found in self.records.items()
+        }
+        helicopter = topics.TRUE_HELICOPTER, topics.HELICOPTER_ODOMETRY
+        return FlightData(
+            helicopter=_track(shared.samples, *helicopter),
+            uav=_track(self.samples, topics.TRUE_UAV, topics.UAV_ODOMETRY),
+            planned=planned,
+            corners=shared.values.get(topics.TRUE_CORNER, []),
+            mission=(self.values.get(topics.MISSION) or [{}])[-1],
+            scenario=(shared.values.get(topics.SCENARIO) or [{}])[-1],
+            monitor=(self.values.get(topics.MONITOR) or [MonitorReport()])[-1],
+            simulated=topics.TRUE_HELICOPTER in shared.samples,
+            name=name,
         )
-        for k, found in records.items()
-    }
-    return FlightData(
-        helicopter=_track(samples, topics.TRUE_HELICOPTER, topics.HELICOPTER_ODOMETRY),
-        uav=_track(samples, topics.TRUE_UAV, topics.UAV_ODOMETRY),
-        planned=planned,
-        corners=told.get(topics.TRUE_CORNER, []),
-        mission=(told.get(topics.MISSION) or [{}])[-1],
-        scenario=(told.get(topics.SCENARIO) or [{}])[-1],
-        monitor=(told.get(topics.MONITOR) or [MonitorReport()])[-1],
-        simulated=topics.TRUE_HELICOPTER in samples,
-    )
+
+
+def read_flights(bag: Path) -> list[FlightData]:
+    """Read a bag: the flight of every UAV in it, by name.
+
+    Raises ``ValueError`` when it has no position of an aircraft.
+    """
+    shared = _Told()
+    own: dict[str, _Told] = {}
+    wanted = {name for name in topics_in(bag) if topics.plain(name) in WANTED}
+    for topic, _, message in read_messages(bag, wanted):
+        plain = topics.plain(topic)
+        if plain in topics.OF_UAV:
+            name = topic.removesuffix(plain).strip("/")
+            own.setdefault(name, _Told()).take(plain, message)
+        else:
+            shared.take(plain, message)
+    seen = sorted(name for name, told in own.items() if told.samples) or [""]
+    return [own.get(name, _Told()).flight(shared, name) for name in seen]
+
+
+def read_flight(bag: Path) -> FlightData:
+    """Read the flight of the first UAV in a bag: see ``read_flights``."""
+    return read_flights(bag)[0]
 
 
 def _track(samples: dict[str, list[tuple[float, float, float, float]]], *preferred: str) -> Track:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,7 @@ from sar_estimator.common.pose import Pose
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.patterns.progress import places_of
 from sar_sim.report.coverage import Coverage, FloatArray, IdealSlot, ideal_tracks, measure
-from sar_sim.report.flight_data import FlightData
+from sar_sim.report.flight_data import FlightData, Track
 from sar_sim.scenario.scenario import Sensor
 from sar_sim.world.helicopter import CornerTruth
 
@@ -21,13 +23,23 @@ SAMPLE_S = 0.1
 
 def separation(data: FlightData) -> tuple[FloatArray, FloatArray]:
     """Return times [s] and horizontal distances [m] while both aircraft were tracked."""
-    first = max(data.helicopter.times_s[0], data.uav.times_s[0])
-    last = min(data.helicopter.times_s[-1], data.uav.times_s[-1])
+    return apart_over_time(data.helicopter, data.uav)
+
+
+def apart_over_time(one: Track, other: Track) -> tuple[FloatArray, FloatArray]:
+    """Return times [s] and horizontal distances [m] while two tracks last."""
+    first = max(one.times_s[0], other.times_s[0])
+    last = min(one.times_s[-1], other.times_s[-1])
     if last <= first:
         return np.empty(0), np.empty(0)
     times = np.arange(first, last, SAMPLE_S)
-    gap = data.helicopter.at(times) - data.uav.at(times)
+    gap = one.at(times) - other.at(times)
     return times, np.hypot(gap[:, 0], gap[:, 1])
+
+
+def least_apart_m(one: Track, other: Track) -> float:
+    """Return the least horizontal distance of two tracks [m], infinite where none is common."""
+    return float(apart_over_time(one, other)[1].min(initial=math.inf))
 
 
 def true_lag_m(data: FlightData, corner: CornerTruth) -> float:
@@ -75,28 +87,46 @@ def detection_delay_s(data: FlightData, corner: CornerTruth) -> float | None:
     return planned.first.estimated_at_s - corner.onset_time_s
 
 
-def coverage(data: FlightData) -> Coverage | None:
-    """Return the coverage of the legs as flown; None without any corner."""
+def coverage(flights: Sequence[FlightData]) -> Coverage | None:
+    """Return the coverage of all UAVs of a flight, of the legs as flown; None without a corner."""
+    data = flights[0]
     if data.corners:
         stops = [corner.crossing_m for corner in data.corners]
     else:
         stops = [item.last.stop[:2] for _, item in sorted(data.planned.items())]
-    if not stops or len(data.helicopter) < 2 or len(data.uav) < 2:
+    tracks = [one.uav.xy_m for one in flights if len(one.uav) > 1]
+    if not stops or len(data.helicopter) < 2 or len(tracks) < len(flights):
         return None
     sensor = read(Sensor, data.scenario.get("sensor", {}), "sensor", texts=True)
-    mission = data.mission
     points = np.vstack((data.helicopter.xy_m[0], stops, data.helicopter.xy_m[-1]))
-    flown = read(MissionParameters, mission["mission"], "mission", texts=True)
-    spacing_m = float(mission["corner"]["spacing_m"])
-    places = places_of(flown.terms, 0, len(points) - 1, flown.slot)
-    slot = IdealSlot([spacing_m * place for place in places])
     return measure(
         data.helicopter.xy_m,
-        (data.uav.xy_m,),
-        ideal_tracks(points, (slot,)),
+        tracks,
+        ideal_tracks(points, [_ideal_slot(one, len(points) - 1) for one in flights]),
         radius_m=sensor.radius_m,
         footprint=sensor.footprint,
     )
+
+
+def _ideal_slot(data: FlightData, legs: int) -> IdealSlot:
+    """Return where a UAV had its place on so many legs."""
+    flown = read(MissionParameters, data.mission["mission"], "mission", texts=True)
+    spacing_m = float(data.mission["corner"]["spacing_m"])
+    places = places_of(flown.terms, 0, legs, flown.slot)
+    return IdealSlot([spacing_m * place for place in places])
+
+
+def formation_metrics(flights: Sequence[FlightData], area: Coverage | None) -> dict[str, Any]:
+    """Return ``flight_metrics`` of the first UAV, and of every one by name in ``uavs``.
+
+    ``uavs_apart_m``: the least horizontal distance of two UAVs [m], None for one alone.
+    """
+    apart = [least_apart_m(one.uav, other.uav) for one, other in combinations(flights, 2)]
+    return {
+        **flight_metrics(flights[0], area),
+        "uavs": {one.name: flight_metrics(one, area) for one in flights if one.name},
+        "uavs_apart_m": min(apart, default=None),
+    }
 
 
 def flight_metrics(data: FlightData, area: Coverage | None) -> dict[str, Any]:

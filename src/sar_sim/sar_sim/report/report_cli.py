@@ -12,18 +12,33 @@ from sar_sim.report.report import MONITOR_COUNTS, write_report
 
 
 def summary_line(metrics: dict[str, Any]) -> str:
-    """Return a run's results in two lines for the terminal."""
+    """Return a run's results for the terminal: two lines, of several UAVs one more for each."""
+    seen, apart = metrics["coverage_percent"], metrics["uavs_apart_m"]
+    uavs: dict[str, dict[str, Any]] = metrics["uavs"]
+    covered = f"coverage {'–' if seen is None else f'{seen:.2f} %'}"
+    if not uavs:
+        return f"{_lags(metrics)}\n{_nearest(metrics)}, {covered}{_alerts(metrics)}"
+    lines = [f"{name}: {_lags(one)}; {_nearest(one)}{_alerts(one)}" for name, one in uavs.items()]
+    between = "" if apart is None else f"; UAVs at least {apart:.1f} m apart"
+    return "\n".join([*lines, f"{covered}{between}"])
+
+
+def _lags(metrics: dict[str, Any]) -> str:
     lags = ", ".join(f"{lag:.1f}" for lag in metrics["lag_m"])
-    nearest, seen = metrics["min_separation_m"], metrics["coverage_percent"]
+    return f"L(k) = {lags or '–'} m; rules {' '.join(metrics['rules']) or '–'}"
+
+
+def _nearest(metrics: dict[str, Any]) -> str:
+    nearest = metrics["min_separation_m"]
+    return f"least separation {'–' if nearest is None else f'{nearest:.1f} m'}"
+
+
+def _alerts(metrics: dict[str, Any]) -> str:
     counts = metrics["monitor"]["counts"]
     alerts = ", ".join(
         f"{counts[name]} {title}" for name, title in MONITOR_COUNTS if name in counts
     )
-    return (
-        f"L(k) = {lags or '–'} m; rules {' '.join(metrics['rules']) or '–'}\n"
-        f"least separation {'–' if nearest is None else f'{nearest:.1f} m'}, "
-        f"coverage {'–' if seen is None else f'{seen:.2f} %'}" + (f"; {alerts}" if alerts else "")
-    )
+    return f"; {alerts}" if alerts else ""
 
 
 def reported(bag: Path, out: Path) -> str:

@@ -50,7 +50,7 @@ def _draw_flight(one: Combination, work: Path, out: Path) -> None:
     finally:
         written.close()
     data = read_flight(bag)
-    draw_map(data, coverage(data), out / "results_fig9.png")
+    draw_map([data], coverage([data]), out / "results_fig9.png")
     draw_corner(data, corner_to_draw(data), out / "results_fig10.png")
 
 
