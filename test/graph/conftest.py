@@ -48,7 +48,8 @@ class Launch:
             except OSError:
                 continue
             if str(self.out / "params.yaml") in words:
-                found[Path(words[1]).name] = int(entry.name)
+                uav = [word.partition("__ns:=/")[2] for word in words if "__ns:=/" in word]
+                found["/".join([*uav, Path(words[1]).name])] = int(entry.name)
         return found
 
     def kill(self):

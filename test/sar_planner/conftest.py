@@ -57,7 +57,7 @@ class Bench:
             found = self.plan.update(self.now)
             if found is not None:
                 self.lists.append(found)
-            least = min(least, self.plan.separation_m())
+            least = min(least, self.plan.situation.separation_m())
         return least
 
 

@@ -18,6 +18,7 @@ from sar_planner.component import PlannerComponent, corner_outputs
 from sar_planner.mission_planner import MissionPlanner
 from sar_planner.parameters.corner import CornerParameters, ParameterError
 from sar_planner.parameters.mission import MissionParameters
+from sar_planner.patterns.slot import Slot
 from sar_planner.strategies.active_corner import Mode
 
 FLYING = UavStatus("AUTO", armed=True, connected=True)
@@ -88,7 +89,7 @@ def test_leg_list_is_the_slot_track_on_the_inside(side):
     assert waypoints.points[0, 0] > -800.0
     assert plan.update(100.1) is None
     assert plan.lag_m() == pytest.approx(800.0)
-    assert plan.separation_m() == pytest.approx(math.hypot(800.0, 250.0))
+    assert plan.situation.separation_m() == pytest.approx(math.hypot(800.0, 250.0))
 
 
 def test_shifted_slot_track_is_listed_again():
@@ -469,3 +470,23 @@ def test_any_order_of_events_keeps_the_planner_sound(rules, events):  # noqa: C9
             assert len(listed.points) >= 1
             assert np.isfinite(listed.points).all()
             number = listed.number
+
+
+def test_another_slot_is_taken_and_led_to():
+    plan = on_leg(0.0, rules="deadbeat")
+    assert plan.update(100.0).mode == "leg"
+    assert plan.change_slot(Slot("inside", 2)) == ""
+    changed = plan.update(101.0)
+    assert changed.mode == "rejoin"
+    assert changed.points[-2, 1] == pytest.approx(-500.0, abs=1.0)
+    assert plan.parameters.slot == Slot("inside", 2)
+
+
+def test_a_slot_that_cannot_be_is_refused_and_nothing_changes():
+    plan = on_leg(0.0, rules="deadbeat")
+    before = plan.parameters
+    assert "slot_tracks" in plan.change_slot(Slot("inside", 7))
+    assert "slot_side" in plan.change_slot(Slot("above"))
+    assert plan.parameters is before
+    paper = on_leg(0.0, rules="paper")
+    assert "expected inside, with rules paper" in paper.change_slot(Slot("outside"))

@@ -53,7 +53,7 @@ def slot_change(side: str, tracks: int, uav: str) -> Request:
         SetParametersAtomically,
         service,
         asked,
-        lambda it: (it.result.successful, it.result.reason),
+        lambda it: (it.result.successful, it.result.reason or f"{side} {tracks}"),
     )
 
 

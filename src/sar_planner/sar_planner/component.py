@@ -238,7 +238,7 @@ class PlannerComponent(Component):
                 "rule": planner.rule,
                 "phase": planner.situation.phase,
                 "lag_m": _figure(planner.lag_m()),
-                "separation_m": _figure(planner.separation_m()),
+                "separation_m": _figure(planner.situation.separation_m()),
                 "speed_asked_mps": _figure(planner.speed_mps),
                 "airspeed_asked_mps": _figure(planner.airspeed_mps),
                 "wind_mps": f"{math.hypot(*planner.wind_mps):.1f}",

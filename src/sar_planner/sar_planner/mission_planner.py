@@ -6,10 +6,11 @@ Pure: it is told what is known, and asked at any time whether there is a new way
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
+from sar_estimator.common.checked import changed
 from sar_estimator.common.reports import MonitorReport, UavStatus, WaypointList
 from sar_estimator.common.states import LegEstimate, list_id_at
 from sar_planner.engagement import ENGAGE_MODES, not_flying, obstacle
@@ -174,11 +175,11 @@ class MissionPlanner:
         """
         own = self.corner_parameters.beside(slot.tracks)
         try:
-            changed = replace(self.parameters, slot_side=slot.side, slot_tracks=slot.tracks)
-            check_planner(changed.rules, own)
+            told = changed(self.parameters, slot_side=slot.side, slot_tracks=slot.tracks)
+            check_planner(told.rules, own)
         except ValueError as error:
             return str(error)
-        self.parameters = changed
+        self.parameters = told
         self.situation.progress.slot = slot
         self._strategy.set_corner(own)
         return ""
@@ -235,10 +236,6 @@ class MissionPlanner:
             return self.active.plan.lag_m
         return self.situation.lag_m(self.report.slot)
 
-    def separation_m(self) -> float | None:
-        """Return the horizontal distance between the aircraft [m]."""
-        return self.situation.separation_m()
-
     # Decisions ---------------------------------------------------------------------------------
 
     def update(self, now_s: float) -> PlannedList | None:
@@ -289,12 +286,10 @@ class MissionPlanner:
         """
         if self.list is None or self.monitor.refused_id != self.list.list_id:
             return ""
-        if now_s > self._retry_s and self.mode in (Mode.LEG, Mode.HOLD):
+        if now_s > self._retry_s and self.mode in (Mode.LEG, Mode.HOLD, Mode.ORBIT):
             self._retry_s = now_s + self.parameters.retry_s
-            self._strategy.begin()
-        if now_s > self._retry_s and self.mode is Mode.ORBIT:
-            self._retry_s = now_s + self.parameters.retry_s
-            self.find.orbit.again()
+            again = self.find.orbit.again if self.mode is Mode.ORBIT else self._strategy.begin
+            again()
         return self.monitor.reason
 
     def set_clock_back(self) -> None:

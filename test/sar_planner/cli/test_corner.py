@@ -80,3 +80,20 @@ def test_neither_lag_nor_graph_is_refused():
     with pytest.raises(SystemExit) as stop:
         main([])
     assert stop.value.code == 2
+
+
+@pytest.mark.parametrize(("side", "rule"), [("outside", "O1"), ("over", "O3")])
+def test_the_outside_rules_are_printed(side, rule, capsys):
+    assert main(["--side", side, "--lag", "0", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["rule"] == rule
+    assert found["closest_approach_m"] >= 200.0
+    assert main(["--side", side, "--graph"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 1 + 33
+    assert lines[9].split()[:2] == ["0", rule]
+
+
+def test_a_turn_without_an_outside_is_refused(capsys):
+    assert main(["--side", "outside", "--turn", "170", "--lag", "0"]) == 2
+    assert "turn of 170 degrees" in capsys.readouterr().err

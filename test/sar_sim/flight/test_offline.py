@@ -148,7 +148,7 @@ def test_the_monitors_thresholds_and_counts_are_reported(flown):
     assert found["counts"]["passed"] > 3
     assert found["counts"]["escape"] == 0
     page = (flown[0] / "report.html").read_text(encoding="utf-8")
-    assert "<h2>Monitor</h2>" in page
+    assert "<h2>Separation</h2>" in page
     assert "<td>escape separation</td><td>130 m</td>" in page
     assert "<td>escapes</td><td>0</td>" in page
 

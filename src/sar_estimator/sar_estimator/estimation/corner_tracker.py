@@ -13,7 +13,7 @@ from sar_estimator.estimation.corner_detector import Decelerations, StopPosterio
 from sar_estimator.estimation.corner_prediction import predicted_corner, rolled_stop, stop_ahead
 from sar_estimator.estimation.leg import LegRow
 from sar_estimator.estimation.parameters import EstimatorParameters
-from sar_estimator.estimation.watched_leg import ONSET_REACH_S, WatchedLeg
+from sar_estimator.estimation.watched_leg import CONFIRMED_RAD, ONSET_REACH_S, WatchedLeg
 
 STANDSTILL_MPS = 2.0
 STANDSTILL_S = 5.0
@@ -35,7 +35,6 @@ STILL_ON_RAD = math.radians(15.0)
 STILL_ON_MPS = 4.0
 STRAIGHT_AGAIN_S = 4.0
 TURNING_RAD = math.radians(20.0)
-CONFIRMED_RAD = math.radians(12.0)
 TURNED_RAD = math.radians(65.0)
 
 
@@ -118,9 +117,7 @@ class CornerTracker:
         watched.settle(motion.time_s - ONSET_REACH_S)
         seen = watched.watch(motion.time_s, self._prior)
         young = motion.time_s - watched.begun_s < YOUNG_S
-        # One wrong velocity looks like a turn for a moment, and none comes without a slow-down.
-        turns = seen.turning > watched.needed and abs(watched.turned(motion)) > CONFIRMED_RAD
-        if (seen.slowing > watched.needed or turns) and not young:
+        if watched.looks_left(seen, motion, watched.needed) and not young:
             self._detect(seen, motion)
         elif seen.misfit > MISFIT_LIMIT:
             # It is flown otherwise than was thought: what is to be learnt of it is learnt now.
@@ -128,6 +125,11 @@ class CornerTracker:
             watched.loosen()
         elif max(seen.slowing, seen.turning) < 0.0:
             self.leg = watched.leg(seen, motion.time_s)
+        elif not young:
+            self._doubt(seen, motion)
+
+    def _doubt(self, seen: Watch, motion: Motion) -> None:
+        """Take evidence that is not enough to detect a corner."""
 
     # A corner ahead ----------------------------------------------------------------------------
 
@@ -137,21 +139,24 @@ class CornerTracker:
         self._turning_since_s = None
         self._rolled_out = _Course(-math.inf, 0.0)
         self._slow_fixes = 0
-        self._posterior = None
+        assert self.leg is not None
+        self._cruise_speed_mps = self.leg.speed_mps
+        self._posterior = self._show(seen, motion)
+        if self._posterior is None:
+            self._turning_since_s = motion.time_s
+
+    def _show(self, seen: Watch, motion: Motion) -> StopPosterior | None:
+        """Tell of a corner that begins; return what its stop is known by, None if it is rolled."""
         assert self.leg is not None
         self.phase = Phase.DECELERATING
-        self._cruise_speed_mps = self.leg.speed_mps
         if seen.turning > seen.slowing and abs(self._watched.turned(motion)) > CONFIRMED_RAD:
-            self._turning_since_s = motion.time_s
             self._roll(seen, motion)
-        else:
-            posterior = self._infer(motion)
-            onset_s = posterior.stop_time_s - posterior.speed_mps / posterior.accel_mps2
-            self.leg = self._watched.leg_before(onset_s - ONSET_SIGMA_S) or self.leg
-            self._predict(posterior, motion)
-
-    def _infer(self, motion: Motion) -> StopPosterior:
-        return self._watched.stop(motion, self._prior, self._detected_s)
+            return None
+        posterior = self._watched.stop(motion, self._prior, motion.time_s)
+        onset_s = posterior.stop_time_s - posterior.speed_mps / posterior.accel_mps2
+        self.leg = self._watched.leg_before(onset_s - ONSET_SIGMA_S) or self.leg
+        self._predict(posterior, motion)
+        return posterior
 
     def _roll(self, seen: Watch, motion: Motion) -> None:
         assert self.leg is not None
@@ -161,7 +166,6 @@ class CornerTracker:
 
     def _predict(self, posterior: StopPosterior, motion: Motion) -> None:
         assert self.leg is not None
-        self._posterior = posterior
         stop = stop_ahead(self.leg, motion, self._watched.heading_rad, posterior)
         self.corner = predicted_corner(self.leg, motion.time_s, stop)
 
@@ -177,8 +181,8 @@ class CornerTracker:
         if self._turning_since_s is not None:
             self._turn(seen, motion, turned)
             return
-        self._predict(self._infer(motion), motion)
-        assert self._posterior is not None
+        self._posterior = self._watched.stop(motion, self._prior, self._detected_s)
+        self._predict(self._posterior, motion)
         cruise = self._posterior.speed_mps
         expected = self._expected_speed(motion.time_s)
         along = motion.speed_mps * math.cos(turned)
@@ -194,7 +198,8 @@ class CornerTracker:
             self.phase = Phase.STOPPED
             self.leg = None
             self._moving_fixes = 0
-            self._learn(self._posterior)
+            self._seen.add(self._posterior.accel_mps2)
+            self._prior = self._seen.expected
 
     def _stands(self, motion: Motion) -> bool:
         """Whether he has come to a stand, though the stop that is predicted still creeps ahead.
@@ -240,11 +245,6 @@ class CornerTracker:
             self.phase = Phase.CRUISE
         else:
             self._begin_moving(motion)
-
-    def _learn(self, posterior: StopPosterior) -> None:
-        """Learn from a corner that was flown to its stop how decelerations are distributed."""
-        self._seen.add(posterior.accel_mps2)
-        self._prior = self._seen.expected
 
     # Standing, and away again ------------------------------------------------------------------
 

@@ -17,7 +17,7 @@ from sar_estimator.common.states import (
     MotionEstimate,
     Phase,
 )
-from sar_estimator.estimation.corner_tracker import CornerTracker
+from sar_estimator.estimation.expectant_tracker import ExpectantTracker
 from sar_estimator.estimation.fix_screen import FixScreen, Verdict
 from sar_estimator.estimation.leg import LegRow
 from sar_estimator.estimation.motion_filter import MotionFilters, Spread
@@ -52,7 +52,7 @@ class HelicopterEstimator:
         self.parameters = parameters
         self.datum = datum
         self.screen = FixScreen()
-        self._tracker = CornerTracker(parameters)
+        self._tracker = ExpectantTracker(parameters)
         self._filters: MotionFilters | None = None
         self._accepted_s = -math.inf
         self._altitude_m = math.nan

@@ -34,6 +34,8 @@ class EstimatorParameters:
     accel_prior_spread: relative spread of that expectation.
     min_cruise_mps: slowest speed taken for a leg.
     speed_noise_mps: what moves faster than the pilot wanders, added to Doppler noise.
+    expected_legs_m: lengths of the pattern's legs from corner to corner, as far as they are
+        known beforehand: about their ends less evidence will do; none for no expectation.
     """
 
     default_fix_sigma_m: Positive = 3.0
@@ -52,3 +54,4 @@ class EstimatorParameters:
     accel_prior_spread: Positive = 0.3
     min_cruise_mps: Positive = 5.0
     speed_noise_mps: Positive = 0.05
+    expected_legs_m: tuple[Positive, ...] = ()

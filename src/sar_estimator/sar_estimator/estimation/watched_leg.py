@@ -21,6 +21,7 @@ from sar_estimator.estimation.parameters import EstimatorParameters
 
 ONSET_REACH_S = 10.0
 REFINEMENTS = 2
+CONFIRMED_RAD = math.radians(12.0)
 
 
 class WatchedLeg:
@@ -72,6 +73,12 @@ class WatchedLeg:
     def turned(self, motion: Motion) -> float:
         """Return by how much a course has turned from the leg [rad]."""
         return wrap_angle(motion.course_rad - self.heading_rad)
+
+    def looks_left(self, seen: Watch, motion: Motion, needed: float) -> bool:
+        """Whether the evidence of a corner is more than is needed."""
+        # One wrong velocity looks like a turn for a moment, and none comes without a slow-down.
+        turns = seen.turning > needed and abs(self.turned(motion)) > CONFIRMED_RAD
+        return seen.slowing > needed or turns
 
     def watch(self, time_s: float, accel_prior: AccelPrior) -> Watch:
         """Weigh the newest rows, at ``time_s`` [s]."""

@@ -19,6 +19,7 @@ PatternKind = Literal[
     "track_line_return",
 ]
 RIGHT_ANGLE_RAD = 0.5 * math.pi
+MOST_LEGS = 40
 SECTOR_RAD = math.radians(120.0)
 
 
@@ -62,6 +63,10 @@ class PatternTerms(NamedTuple):
     def is_cross_leg(self, leg: int) -> bool:
         """Whether a leg (from 0) leads from one search leg to the next."""
         return not self.turns_one_way and leg % 2 == 1
+
+    def lengths_m(self) -> tuple[float, ...]:
+        """Return the lengths of more legs than are flown [m], none where they are not known."""
+        return tuple(self.length_of(leg) for leg in range(MOST_LEGS)) if self.leg_m > 0.0 else ()
 
     def length_of(self, leg: int) -> float:
         """Return the length expected of a leg (from 0) [m], 0 where it is not known."""

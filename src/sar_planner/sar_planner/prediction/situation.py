@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from sar_estimator.common.other_uavs import OtherUavs
+from sar_estimator.common.other_uavs import OtherUav, OtherUavs
 from sar_estimator.common.pose import Pose, wrap_angle
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.parameters.corner import CornerParameters
@@ -222,11 +222,17 @@ class Situation:
         ).forecasts(now_s)
         return (*helicopter, *self._of_others(now_s)) if helicopter else ()
 
-    def _of_others(self, now_s: float) -> list[Forecast]:
-        """Return the motions of the UAVs that have the right of way, and are in this layer."""
-        near = self.others.near(
+    def is_shared(self, now_s: float) -> bool:
+        """Whether UAVs that have the right of way are in this layer."""
+        return bool(self._near_others(now_s))
+
+    def _near_others(self, now_s: float) -> list[OtherUav]:
+        return self.others.near(
             now_s, self.altitude_m, layer_m=self.layer_m, stale_s=OTHERS_STALE_S
         )
+
+    def _of_others(self, now_s: float) -> list[Forecast]:
+        """Return the motions of the UAVs that have the right of way, and are in this layer."""
         return [
             along_list(
                 one.motion,
@@ -234,5 +240,5 @@ class Situation:
                 now_s,
                 OTHERS_HORIZON_S,
             )
-            for one in near
+            for one in self._near_others(now_s)
         ]

@@ -38,7 +38,6 @@ FARTHEST = 200
 SLACK_S = 60.0
 LOOKED_AGAIN = (0.1, 0.2, 0.35, 0.5, 0.6, 0.7, 0.8)
 COSTLY_SHARE = 1.15
-MOST_ON_GRIDS_S = 600.0  # beyond it the slot is not free: who waits for that needs no better way
 SOON_ENOUGH = 1.03
 ENTRY_STEP_S = 0.05
 ENTRIES_SHARE = 2.0
@@ -70,6 +69,8 @@ class RejoinTask:
 
     ``forecasts``: the first is what is expected and has the slot, all are kept apart from.
     ``slowest_mps``, ``fastest_mps``: the UAV's ground speeds. ``separation_m``: least distance.
+    ``is_shared``: with other UAVs, who may be in the slot now: no costly way about them is looked
+    for, they are about to leave.
     """
 
     start: Pose
@@ -79,6 +80,7 @@ class RejoinTask:
     slowest_mps: float
     fastest_mps: float
     separation_m: float
+    is_shared: bool = False
 
     @property
     def forecast(self) -> Forecast:
@@ -338,8 +340,10 @@ def rejoin(task: RejoinTask) -> RejoinPlan | None:
     plan, soonest_s, is_soon = _one_search(task)
     if plan is None or is_soon or not plan.kept:
         return plan
+    if task.is_shared and plan.duration_s > COSTLY_SHARE * soonest_s:
+        return plan
     plan = _looked_again(task, plan)
-    if COSTLY_SHARE * soonest_s < plan.duration_s < MOST_ON_GRIDS_S:
+    if plan.duration_s > COSTLY_SHARE * soonest_s:
         on_grid = _on_grids(task, plan)
         if on_grid is not plan:
             plan = _looked_again(task, on_grid)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -57,9 +58,15 @@ def receiver_of(kind: str, seed: int, *, doppler: bool = True) -> Gps:
     return replace(Gps(receiver=kind, seed=seed), **values)  # type: ignore[arg-type]
 
 
-def watch(helicopter: Helicopter, gps: Gps, until_s: float) -> Watched:
-    """Let an estimator watch a flight through a receiver."""
-    estimator = HelicopterEstimator(EstimatorParameters(), DATUM)
+def watch(
+    helicopter: Helicopter, gps: Gps, until_s: float, expected_m: Sequence[float] = ()
+) -> Watched:
+    """Let an estimator watch a flight through a receiver.
+
+    ``expected_m``: the lengths of the legs that it is told of beforehand [m].
+    """
+    parameters = EstimatorParameters(expected_legs_m=tuple(expected_m))
+    estimator = HelicopterEstimator(parameters, DATUM)
     seen: list[float] = []
     predicted, unled_s = False, 0.0
     corners = helicopter.corners
@@ -95,20 +102,37 @@ def matched(corners: list[CornerTruth], seen_s: list[float]) -> tuple[list[float
 
 
 def corner_flight(
-    pilot: Pilot, gps: Gps, *, speed_mps: float = 20.0, accel_mps2: float | None = None
+    pilot: Pilot,
+    gps: Gps,
+    *,
+    speed_mps: float = 20.0,
+    accel_mps2: float | None = None,
+    told_off_m: float | None = None,
 ) -> Watched:
-    """Fly a square of ``CORNERS`` corners, its legs of a length drawn from the receiver's seed."""
+    """Fly a square of ``CORNERS`` corners, its legs of a length drawn from the receiver's seed.
+
+    ``told_off_m``: by how much longer its legs are told of beforehand than they are [m]; None:
+    nothing is told.
+    """
     accel = CornerParameters().accel_mps2 if accel_mps2 is None else accel_mps2
     # The onset falls anywhere between two fixes.
     leg = 1400.0 + speed_mps * float(np.random.default_rng(gps.seed + 10**6).random())
     pattern = Pattern(first_leg_m=leg, last_leg_m=600.0, corners=CORNERS)
     helicopter = flown_by(pilot, pattern, speed_mps, accel)
-    return watch(helicopter, gps, helicopter.end_s)
+    told = [] if told_off_m is None else pattern.terms.lengths_m()
+    return watch(helicopter, gps, helicopter.end_s, [one + (told_off_m or 0.0) for one in told])
 
 
-def straight_flight(pilot: Pilot, gps: Gps, hours: float, *, speed_mps: float = 20.0) -> Watched:
-    """Fly straight on."""
+def straight_flight(
+    pilot: Pilot,
+    gps: Gps,
+    hours: float,
+    *,
+    speed_mps: float = 20.0,
+    told_m: Sequence[float] = (),
+) -> Watched:
+    """Fly straight on, whatever length the leg was told to have, ``told_m`` [m]."""
     length = speed_mps * (HOUR_S * hours + 300.0) * 1.2
     pattern = Pattern(first_leg_m=length, corners=1)
     helicopter = flown_by(pilot, pattern, speed_mps, CornerParameters().accel_mps2)
-    return watch(helicopter, gps, HOUR_S * hours)
+    return watch(helicopter, gps, HOUR_S * hours, told_m)

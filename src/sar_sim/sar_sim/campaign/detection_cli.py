@@ -24,6 +24,7 @@ from sar_sim.scenario.scenario import Gps, Pilot
 
 PILOT_KINDS = ("robot", "steady", "human", "rough", "rolled")
 RECEIVER_KINDS = (*(kind for kind in RECEIVERS if kind != "plain"), "modern-no-doppler")
+TOLD_M = 1400.0
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class Settings:
     rate_hz: float
     speed_mps: float
     accel_mps2: float
+    told_off_m: float | None = None
 
     def drawn(self, seed: int) -> tuple[Pilot, Gps]:
         """Return pilot and receiver of a seed."""
@@ -45,12 +47,19 @@ class Settings:
 
 def _corners(settings: Settings, seed: int) -> Watched:
     pilot, gps = settings.drawn(seed)
-    return corner_flight(pilot, gps, speed_mps=settings.speed_mps, accel_mps2=settings.accel_mps2)
+    return corner_flight(
+        pilot,
+        gps,
+        speed_mps=settings.speed_mps,
+        accel_mps2=settings.accel_mps2,
+        told_off_m=settings.told_off_m,
+    )
 
 
 def _hour(settings: Settings, hours: float, seed: int) -> Watched:
     pilot, gps = settings.drawn(10**5 + seed)
-    return straight_flight(pilot, gps, hours, speed_mps=settings.speed_mps)
+    told = () if settings.told_off_m is None else (TOLD_M,)
+    return straight_flight(pilot, gps, hours, speed_mps=settings.speed_mps, told_m=told)
 
 
 def row(settings: Settings, squares: list[Watched], hours: list[Watched]) -> str:
@@ -84,6 +93,12 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--rate", type=float, default=1.0, help="of the fixes, Hz")
     parser.add_argument("--speed", type=float, default=20.0, help="V, m/s")
     parser.add_argument("--accel", type=float, default=2.5, help="a, m/s^2")
+    parser.add_argument(
+        "--told",
+        type=float,
+        metavar="M",
+        help="legs are told of beforehand, by so much longer than they are; straight on, as 1400 m",
+    )
     parser.add_argument("--jobs", type=int, help="processes")
     args = parser.parse_args(argv)
     try:
@@ -96,7 +111,7 @@ def main(argv: list[str] | None = None) -> int:
     with Workers(args.jobs) as workers:
         for pilot in args.pilots:
             for receiver in args.receivers:
-                settings = Settings(pilot, receiver, args.rate, args.speed, args.accel)
+                settings = Settings(pilot, receiver, args.rate, args.speed, args.accel, args.told)
                 squares = workers.map(partial(_corners, settings), range(args.squares))
                 hours = workers.map(partial(_hour, settings, 1.0), range(args.hours))
                 sys.stdout.write(f"{row(settings, list(squares), list(hours))}\n")

@@ -61,7 +61,7 @@ def fly(
             truth=truth,
             watch_only=watch_only,
             track=fixes,
-            estimator_parameters=estimator_parameters(recorded=track is not None),
+            estimator_parameters=estimator_parameters(scenario, recorded=track is not None),
             bag=bag,
         )
         total = math.ceil(flight.world.end_s)

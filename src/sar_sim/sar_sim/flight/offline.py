@@ -50,15 +50,18 @@ def message_kind(message: Any) -> str:
 
 
 def mission_parameters(
-    scenario: Scenario, *, rules: str, member: Member | None = None
+    scenario: Scenario, *, rules: str, member: Member | None = None, recorded: bool = False
 ) -> MissionParameters:
-    """Return the planner's parameters that a scenario prescribes for a UAV, the first one."""
+    """Return the planner's parameters that a scenario prescribes for a UAV, the first one.
+
+    ``recorded``: the helicopter's track, which follows no pattern of known lengths.
+    """
     member = scenario.formation[0] if member is None else member
     pattern = scenario.pattern
     return MissionParameters(
         turn_side=pattern.turn_side,
         pattern=pattern.kind,
-        first_leg_m=pattern.first_leg_m,
+        first_leg_m=0.0 if recorded else pattern.first_leg_m,
         track_spacing_m=pattern.track_spacing_m,
         slot_side=member.side,
         slot_tracks=member.tracks,
@@ -123,7 +126,9 @@ class OfflineFlight:
                 raise ValueError("truth: expected a simulated helicopter, not a recorded track")
             self._helicopter = TruthComponent(world.helicopter, world.datum)
         else:
-            parameters = estimator_parameters or EstimatorParameters()
+            parameters = estimator_parameters or EstimatorParameters(
+                expected_legs_m=() if track else scenario.pattern.terms.lengths_m()
+            )
             self._helicopter = EstimatorComponent(parameters, world.datum)
         self.chains = [
             self._chain(i, rules, watch_only=watch_only) for i in range(len(scenario.formation))
@@ -146,7 +151,8 @@ class OfflineFlight:
         """Return what leads the formation's UAV of a number."""
         world, scenario = self.world, self.world.scenario
         member = scenario.formation[number]
-        mission = mission_parameters(scenario, rules=rules, member=member)
+        recorded = world.helicopter is None
+        mission = mission_parameters(scenario, rules=rules, member=member, recorded=recorded)
         if self._truth:
             mission = replace(mission, reaction_s=0.0)
         autopilot = world.autopilots[member.name]
@@ -213,7 +219,7 @@ class OfflineFlight:
             self.planner.situation.corners_seen,
             self.planner.rule,
             self.planner.lag_m(),
-            self.planner.separation_m(),
+            self.planner.situation.separation_m(),
         )
 
     def _record(self, topic: str, value: Any) -> None:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from sar_estimator.common import topics
@@ -80,6 +80,8 @@ def flown_with(
         raise ValueError(
             f"{topics.MISSION}: {error}: expected this version's parameters"
         ) from error
+    if not estimator.expected_legs_m:
+        estimator = replace(estimator, expected_legs_m=settings.terms.lengths_m())
     return FlownWith(
         corner, settings, estimator, velocity_sigma_mps, datum, tuple(engaged), watch_only
     )

@@ -114,9 +114,10 @@ def _sim_parameters(
 def _estimator_parameters(scenario: Scenario, options: FlightOptions) -> dict[str, Any]:
     if options.recorded:
         return {"default_fix_sigma_m": RECORDED_FIX_SIGMA_M}
+    expected = {"expected_legs_m": list(scenario.pattern.terms.lengths_m())}
     if options.live:
-        return {}
-    return {f"datum_{key}": value for key, value in asdict(scenario.datum).items()}
+        return expected
+    return expected | {f"datum_{key}": value for key, value in asdict(scenario.datum).items()}
 
 
 def _planner_parameters(scenario: Scenario, options: FlightOptions, number: int) -> dict[str, Any]:
@@ -126,7 +127,7 @@ def _planner_parameters(scenario: Scenario, options: FlightOptions, number: int)
         "rules": options.rules,
         "pattern": pattern.kind,
         "turn_side": pattern.turn_side,
-        "first_leg_m": pattern.first_leg_m,
+        "first_leg_m": 0.0 if options.recorded else pattern.first_leg_m,
         "track_spacing_m": pattern.track_spacing_m,
         "slot_side": member.side,
         "slot_tracks": member.tracks,

@@ -35,9 +35,8 @@ from sar_estimator.common.node_support import (
 )
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.reports import Target
-from sar_sim.autopilot.link import AutopilotLink
-from sar_sim.autopilot.server import AutopilotServer
 from sar_sim.bags.tracks import load_track
+from sar_sim.nodes.autopilot_links import links_of
 from sar_sim.nodes.find_caller_node import FindCaller
 from sar_sim.nodes.sim_parameters import SimParameters
 from sar_sim.scenario.scenario import Scenario, load_scenario
@@ -74,7 +73,7 @@ class SimNode(Node):
         self._speed = 1.0 if self._live else own.speed
         scenario = load_scenario(Path(own.scenario))
         self._world = self._make_world(scenario, own.track)
-        self._links = self._make_links(own.mavlink_ports) if own.uav else {}
+        self._links = links_of(self._world, own.mavlink_ports, time.monotonic) if own.uav else {}
         self._follower: AutopilotPacer | None = None
         if own.follow_autopilot:
             self._follower = AutopilotPacer(self._speed)
@@ -99,26 +98,6 @@ class SimNode(Node):
 
     def _asking(self, service: str, uav: str, again_s: float) -> Persistent:
         return Persistent(self, topics.name_of(topics.of_uav(service, uav)), again_s)
-
-    def _make_links(self, ports: tuple[int, ...]) -> dict[str, AutopilotLink]:
-        """Return every UAV's link, by its name. Raises ``ValueError`` for too few ports."""
-        world, scenario = self._world, self._world.scenario
-        if len(ports) != len(world.autopilots):
-            expected = f"one for each of {len(world.autopilots)} UAVs"
-            raise ValueError(f"parameter mavlink_ports = {list(ports)}: expected {expected}")
-        return {
-            name: AutopilotLink(
-                AutopilotServer(autopilot, world.datum, system=member.system_id),
-                port,
-                time.monotonic,
-                scenario.faults,
-                scenario.gps.seed,
-                system=member.system_id,
-            )
-            for (name, autopilot), port, member in zip(
-                world.autopilots.items(), ports, scenario.formation, strict=True
-            )
-        }
 
     def _make_world(self, scenario: Scenario, track: str) -> World:
         if self._live:

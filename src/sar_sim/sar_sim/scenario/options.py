@@ -79,11 +79,14 @@ def scenario_from(args: argparse.Namespace) -> Scenario:
     return scenario
 
 
-def estimator_parameters(*, recorded: bool) -> EstimatorParameters:
-    """Return the estimator's parameters: fixes of recorded tracks bear no covariance."""
+def estimator_parameters(scenario: Scenario, *, recorded: bool) -> EstimatorParameters:
+    """Return the estimator's parameters: the legs that are expected.
+
+    Fixes of recorded tracks bear no covariance, and follow no pattern that is known.
+    """
     if recorded:
         return EstimatorParameters(default_fix_sigma_m=RECORDED_FIX_SIGMA_M)
-    return EstimatorParameters()
+    return EstimatorParameters(expected_legs_m=scenario.pattern.terms.lengths_m())
 
 
 def new_run_folder(wanted: Path | None) -> Path:

@@ -38,6 +38,7 @@ def rejoin_plan(state: State, tick: Tick) -> RejoinPlan | None:
         slowest,
         fastest,
         wide,
+        is_shared=tick.situation.is_shared(tick.now_s),
     )
     plan = rejoin(task)
     if plan is None or plan.kept:
