@@ -21,6 +21,7 @@ SHELLS = {
     "sar_bridge/console/live",
     "sar_bridge/console/map_panel",
     "sar_bridge/console/page",
+    "sar_bridge/mavlink/hub",
     "sar_bridge/mavlink/link",
     "sar_bridge/mavlink/station_link",
     "sar_estimator/common/node_support",

@@ -28,6 +28,7 @@ setup(
             "console = sar_bridge.console_node:main",
             "monitor = sar_bridge.monitor_node:main",
             "operator = sar_bridge.operator_node:main",
+            "radio_hub = sar_bridge.radio_hub_node:main",
         ],
     },
 )

@@ -216,3 +216,18 @@ def test_autopilots_are_given_by_name():
 def test_autopilots_that_do_not_fit_the_formation_are_refused(given, message):
     with pytest.raises(ScenarioError, match=message):
         with_autopilots(PAIR, given)
+
+
+def test_uavs_on_one_radio_have_a_hub_between():
+    url = "/dev/ttyUSB0,57600"
+    flown = with_autopilots(PAIR, [f"uav1={url}", f"uav2={url}"])
+    real = FlightOptions("topic", url, simulation=False)
+    nodes = {spec.name: spec.parameters for spec in planned(flown, real, [15000, 15001])}
+    assert nodes["radio_hub"]["radio_url"] == url
+    assert nodes["radio_hub"]["ports"] == [15000, 15001]
+    assert nodes["uav2/bridge"]["autopilot_url"] == "udp:127.0.0.1:15001"
+    assert nodes["uav2/bridge"]["target_system"] == 2
+    apart = with_autopilots(PAIR, [f"uav1={url}", "uav2=tcp:h:1"])
+    nodes = {spec.name: spec.parameters for spec in planned(apart, real, [15000, 15001])}
+    assert "radio_hub" not in nodes
+    assert nodes["uav1/bridge"]["autopilot_url"] == url

@@ -46,7 +46,7 @@ from sar_sim.scenario.scenario import NODES, Scenario, read_document, scenario_d
 
 TELL_TERMINAL_S, TELL_FILE_S = 0.5, 5.0
 RESTARTS = 5
-LEADING = (*NODES, "gps")
+LEADING = (*NODES, "gps", "radio_hub")
 """The nodes that are started again when they end or hang."""
 SETTLED_S = 3.0
 ASK_AGAIN_S = 3.0

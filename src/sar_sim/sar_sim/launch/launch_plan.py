@@ -182,6 +182,8 @@ def plan_nodes(
     ]
     if options.gps:
         wanted.insert(1, ("sar_estimator", "gps", {"receiver": options.gps} | clock, ""))
+    shared = _shared_radios(scenario, ports)
+    wanted += [("sar_bridge", "radio_hub", radio | clock, "") for radio in shared]
     for number, member in enumerate(scenario.formation):
         planner = _planner_parameters(scenario, options, number)
         monitor = _monitor_parameters(scenario, options, number)
@@ -207,14 +209,38 @@ def _bridge_parameters(
 ) -> dict[str, Any]:
     member = scenario.formation[number]
     found: dict[str, Any] = {
-        "autopilot_url": member.autopilot or f"udp:127.0.0.1:{port}",
+        "autopilot_url": f"udp:127.0.0.1:{port}",
         "altitude_m": scenario.altitude_m(number),
     }
+    if member.autopilot and _users(scenario, member.autopilot) == 1:
+        found["autopilot_url"] = member.autopilot
     if len(scenario.formation) > 1:
         found["target_system"] = member.system_id
     if options.gcs and number == 0:
         found["gcs_url"] = " ".join(options.gcs)
     return found
+
+
+def _users(scenario: Scenario, url: str) -> int:
+    """Return how many UAVs are on a link."""
+    return sum(member.autopilot == url for member in scenario.formation)
+
+
+def _shared_radios(scenario: Scenario, ports: Sequence[int]) -> list[dict[str, Any]]:
+    """Return the parameters of a node for every radio that several UAVs are on."""
+    urls = dict.fromkeys(member.autopilot for member in scenario.formation)
+    return [
+        {
+            "radio_url": url,
+            "ports": [
+                port
+                for member, port in zip(scenario.formation, ports, strict=True)
+                if member.autopilot == url
+            ],
+        }
+        for url in urls
+        if url and _users(scenario, url) > 1
+    ]
 
 
 def _given(parameters: dict[str, Any]) -> dict[str, Any]:
@@ -232,7 +258,10 @@ def parameter_document(specs: list[NodeSpec]) -> dict[str, Any]:
 
 def read_tuned(document: object, name: str) -> dict[str, dict[str, Any]]:
     """Return a parameter file's content by node. Raises ``ScenarioError`` naming what is wrong."""
-    known = ("gps", "estimator", "planner", "monitor", "bridge", "console", "record", "sim")
+    known = (
+        *("gps", "radio_hub", "estimator", "planner", "monitor", "bridge"),
+        *("console", "record", "sim"),
+    )
     if not isinstance(document, dict):
         raise ScenarioError(f"{name}: expected node names with ros__parameters")
     tuned = {}

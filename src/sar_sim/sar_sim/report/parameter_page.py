@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from sar_bridge import bridge_node, console_node, monitor_node
+from sar_bridge import bridge_node, console_node, monitor_node, radio_hub_node
 from sar_estimator import estimator_node, gps_node
 from sar_estimator.common.checked import bounds_of, choices_of
 from sar_estimator.common.node_parameters import defaults_of, descriptions
@@ -20,6 +20,7 @@ NODES: dict[str, tuple[type[Any], ...]] = {
     "planner": planner_node.PARAMETERS,
     "monitor": monitor_node.PARAMETERS,
     "bridge": bridge_node.PARAMETERS,
+    "radio_hub": radio_hub_node.PARAMETERS,
     "console": console_node.PARAMETERS,
     "record": record_node.PARAMETERS,
     "sim": (SimParameters,),
