@@ -111,3 +111,25 @@ def test_an_autopilot_that_must_be_warned_of_is():
 def test_a_rate_that_cannot_be_meant_is_named(rate):
     with pytest.raises(ValueError, match="decision_rate_hz"):
         PlannerComponent(CornerParameters(), MissionParameters(), rate_hz=rate)
+
+
+def test_slot_and_leg_are_changed_in_flight_all_or_nothing():
+    component = PlannerComponent(CornerParameters(), MissionParameters())
+    progress = component.planner.situation.progress
+    answer = component.change({"slot_side": "outside", "pattern_leg": 3})
+    assert answer.success
+    assert progress.leg == 2
+    assert progress.slot.side == "outside"
+    assert topics.MISSION in [topic for topic, _ in answer.outputs]
+    refused = component.change({"slot_side": "above", "pattern_leg": 7})
+    assert not refused.success
+    assert "slot_side" in refused.message
+    assert "\n" not in refused.message
+    assert progress.leg == 2
+    assert progress.slot.side == "outside"
+
+
+def test_a_pattern_is_counted_on_from_the_leg_that_is_told():
+    component = PlannerComponent(CornerParameters(), MissionParameters(pattern_leg=4))
+    assert component.planner.situation.progress.leg == 3
+    assert component.health(0.0).values["pattern_leg"] == 4

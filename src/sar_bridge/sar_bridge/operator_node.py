@@ -18,7 +18,7 @@ from sar_estimator.common import topics
 from sar_estimator.common.completion import add_completion
 from sar_estimator.common.node_support import start_ros
 
-SLOT = "slot"
+SLOT, LEG = "slot", "leg"
 SIDES = ("inside", "outside", "right", "left")
 
 
@@ -38,49 +38,73 @@ def trigger(action: str, uav: str) -> Request:
     return Request(Trigger, service, Trigger.Request(), lambda it: (it.success, it.message))
 
 
-def slot_change(side: str, tracks: int, uav: str) -> Request:
-    """Return a request that a UAV takes another place in the formation."""
-    text = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=side)
-    count = ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=tracks)
-    asked = SetParametersAtomically.Request(
-        parameters=[
-            Parameter(name="slot_side", value=text),
-            Parameter(name="slot_tracks", value=count),
-        ]
-    )
+def setting(uav: str, **values: str | int) -> Request:
+    """Return a request that a planner takes parameters, all of them or none."""
+    given = [Parameter(name=name, value=_value(value)) for name, value in values.items()]
     service = f"{'/' if uav else ''}{uav}/planner/set_parameters_atomically"
+    taken = " ".join(str(value) for value in values.values())
     return Request(
         SetParametersAtomically,
         service,
-        asked,
-        lambda it: (it.result.successful, it.result.reason or f"{side} {tracks}"),
+        SetParametersAtomically.Request(parameters=given),
+        lambda it: (it.result.successful, it.result.reason or taken),
     )
+
+
+def _value(value: str | int) -> ParameterValue:
+    if isinstance(value, str):
+        return ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=value)
+    return ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=value)
+
+
+def request_of(args: argparse.Namespace) -> Request:
+    """Return what is asked for. Raises ``ValueError`` where it makes no sense."""
+    words = args.of
+    if args.action == SLOT:
+        if not words or words[0] not in SIDES or len(words) > 2:
+            raise ValueError(f"slot: expected a side of {', '.join(SIDES)}, and tracks")
+        tracks = _number(words[1], "slot") if len(words) > 1 else 1
+        return setting(args.uav, slot_side=words[0], slot_tracks=tracks)
+    if args.action == LEG:
+        if len(words) != 1:
+            raise ValueError("leg: expected its number, from 1")
+        return setting(args.uav, pattern_leg=_number(words[0], "leg"))
+    if words:
+        raise ValueError(f"{args.action}: expected nothing more, not {' '.join(words)}")
+    return trigger(args.action, args.uav)
+
+
+def _number(text: str, what: str) -> int:
+    if not text.isdigit():
+        raise ValueError(f"{what}: {text}: expected a whole number")
+    return int(text)
 
 
 def arguments(argv: list[str] | None) -> argparse.Namespace:
     """Return what was asked for on the command line."""
     parser = argparse.ArgumentParser(prog="operator", description=__doc__)
-    parser.add_argument("action", choices=(*SERVICES, SLOT))
-    parser.add_argument("side", nargs="?", choices=SIDES, help="of slot: where the UAV is to fly")
+    parser.add_argument("action", choices=(*SERVICES, SLOT, LEG))
     parser.add_argument(
-        "tracks", nargs="?", type=int, default=1, help="of slot: track spacings from the helicopter"
+        "of",
+        nargs="*",
+        help=f"slot: {'|'.join(SIDES)} [TRACKS], where the UAV is to fly; leg: NUMBER, of the "
+        "pattern's legs, that is flown",
     )
     parser.add_argument("--uav", default="", metavar="NAME", help="which one, where there are more")
     parser.add_argument("--timeout", type=float, default=10.0, help="seconds to wait for an answer")
     add_completion(parser)
     args = parser.parse_args(remove_ros_args(sys.argv)[1:] if argv is None else argv)
-    if (args.action == SLOT) != (args.side is not None):
-        parser.error(f"{args.action}: expected " + ("a side" if args.side is None else "no side"))
+    try:
+        args.request = request_of(args)
+    except ValueError as error:
+        parser.error(str(error))
     return args
 
 
 def main(argv: list[str] | None = None) -> int:
     """Call one service; 0 when it was done, 1 when it was refused, 2 when nobody answered."""
     args = arguments(argv)
-    if args.action == SLOT:
-        request = slot_change(args.side, args.tracks, args.uav)
-    else:
-        request = trigger(args.action, args.uav)
+    request: Request = args.request
     start_ros()
     try:
         node = rclpy.create_node("operator")

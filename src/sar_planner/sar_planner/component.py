@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from typing import Any
 
 from sar_estimator.common import topics
+from sar_estimator.common.checked import changed
 from sar_estimator.common.component import (
     NOTICES,
     Answer,
@@ -36,6 +38,7 @@ from sar_planner.patterns.slot import Slot
 from sar_planner.strategies.active_corner import ActiveCorner, Mode
 
 FIGURES = re.compile(r"[\d.]+")
+CHANGEABLE = MissionParameters.CHANGEABLE
 SPEED_STEP_MPS = 0.05
 CURVE_STEP_M = 10.0
 MOST_RATE_HZ = 100.0
@@ -79,6 +82,7 @@ class PlannerComponent(Component):
         self.period_s = 1.0 / rate_hz
         self.planner = MissionPlanner(corner, mission)
         situation = self.planner.situation
+        situation.progress.leg = max(0, mission.pattern_leg - 1)
         situation.others, situation.layer_m = OtherUavs(yields_to), mission.layer_separation_m
         self._asked_mps = 0.0
         self._noted = ""
@@ -181,6 +185,25 @@ class PlannerComponent(Component):
             return Answer(success=False, message=reason, outputs=[])
         told: Outputs = [(NOTICES, Notice("info", f"slot: {slot}")), *self.start(0.0)]
         return Answer(success=True, message=f"slot {slot}", outputs=told)
+
+    def change(self, given: Mapping[str, Any]) -> Answer:
+        """Take parameters that can be changed in flight: of the slot, and ``pattern_leg``.
+
+        All of them, or none: whatever else is given changes nothing.
+        """
+        parameters = self.planner.parameters
+        try:
+            told = changed(parameters, **{k: v for k, v in given.items() if k in CHANGEABLE})
+        except ValueError as error:
+            return Answer(success=False, message=str(error), outputs=[])
+        answer = Answer(success=True, message="", outputs=[])
+        if told.slot != parameters.slot:
+            answer = self.change_slot(told.slot)
+        if answer.success and told.pattern_leg > 0 and "pattern_leg" in given:
+            self.planner.situation.progress.leg = told.pattern_leg - 1
+            text = f"leg {told.pattern_leg} of the pattern is flown"
+            answer.outputs.append((NOTICES, Notice("info", text)))
+        return answer
 
     def _withdrawn(self, now_s: float) -> Outputs:
         """Tell that there is no list any more."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
@@ -22,7 +22,6 @@ from sar_planner.component import PlannerComponent
 from sar_planner.markers import Markers
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
-from sar_planner.patterns.slot import Slot
 
 
 class ShownPlanner(PlannerComponent):
@@ -71,7 +70,7 @@ PARAMETERS = (CornerParameters, MissionParameters, PlannerNodeParameters)
 
 
 class PlannerNode(ComponentNode):
-    """Runs the planner, whose slot can be changed in flight by the parameters that tell it."""
+    """Runs the planner; slot and leg can be changed in flight by the parameters that tell them."""
 
     def __init__(self) -> None:
         """Make it."""
@@ -84,11 +83,8 @@ class PlannerNode(ComponentNode):
         return self._planner
 
     def _change(self, given: list[Parameter]) -> SetParametersResult:
-        now = self._planner.planner.parameters.slot
-        values: dict[str, Any] = {"slot_side": now.side, "slot_tracks": now.tracks}
-        values |= {one.name: one.value for one in given if one.name in values}
         with self.lock:
-            answer = self._planner.change_slot(Slot(values["slot_side"], values["slot_tracks"]))
+            answer = self._planner.change({one.name: one.value for one in given})
             self.publish(answer.outputs)
         return SetParametersResult(successful=answer.success, reason=answer.message)
 

@@ -102,7 +102,7 @@ def descriptions(kind: type[Any]) -> dict[str, str]:
     ends = [*(head.start() for head in heads[1:]), len(text)]
     for head, end in zip(heads, ends, strict=False):
         said = text[head.end() : end].strip().rstrip(".;,")
-        for name in re.findall(names, head.group()):
+        for name in re.findall(rf"\b(?:{names})\b", head.group()):
             found.setdefault(name, said)
     return found
 

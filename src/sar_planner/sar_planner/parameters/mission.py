@@ -29,6 +29,7 @@ class MissionParameters:
     first_leg_m: of the pattern: the first leg of an expanding square, the radius of a sector
         search, the search legs of the others; 0 for not known.
     track_spacing_m: of the pattern: between the helicopter's neighbouring tracks.
+    pattern_leg: which of its legs is flown, from 1, and counted on from; 0 for the first.
     slot_side: inside or outside of the turn at a leg's end, or always to the right or left of the
         helicopter.
     slot_tracks: the slot's distance from the helicopter's track, over `spacing_m`.
@@ -80,7 +81,7 @@ class MissionParameters:
     same_mark_m: within which what is marked is a mark that is there already, moved.
     """
 
-    CHANGEABLE: ClassVar[frozenset[str]] = frozenset({"slot_side", "slot_tracks"})
+    CHANGEABLE: ClassVar[frozenset[str]] = frozenset({"slot_side", "slot_tracks", "pattern_leg"})
 
     turn_side: Side = 1
     rules: str = "deadbeat"
@@ -119,6 +120,7 @@ class MissionParameters:
     pattern: PatternKind = "expanding_square"
     first_leg_m: NotNegative = 0.0
     track_spacing_m: NotNegative = 500.0
+    pattern_leg: Annotated[int, Field(ge=0)] = 0
     slot_side: SlotSide = "inside"
     slot_tracks: SlotTracks = 1
     layer_separation_m: Positive = 30.0
