@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_planner.patterns.legs import legs_of
+from sar_planner.patterns.legs import PatternTerms, legs_of
 
 
 def stops(legs):
@@ -74,3 +74,12 @@ def test_the_other_side_is_the_mirror_image(kind, corners, leg_m, spacing_m):
 def test_corners_that_a_pattern_has_not_are_refused(kind, corners):
     with pytest.raises(ValueError, match=rf"corners = {corners}: expected . in a {kind}"):
         legs_of(kind, leg_m=1.0, spacing_m=1.0, corners=corners, side=1)
+
+
+def test_of_no_pattern_only_the_side_is_known():
+    terms = PatternTerms("none", -1, 2000.0, 500.0)
+    assert terms.lengths_m() == ()
+    assert {terms.turn_after(leg) for leg in range(9)} == {0.5 * math.pi}
+    assert terms.turns_one_way
+    with pytest.raises(ValueError, match="pattern none"):
+        legs_of("none", leg_m=2000.0, spacing_m=500.0, corners=4, side=1)

@@ -23,8 +23,9 @@ from sar_planner.patterns.slot import INSIDE, Slot, SlotSide, SlotTracks
 class MissionParameters:
     """How the planner flies (metres and seconds).
 
-    pattern: expanding_square, sector, parallel_track, creeping_line, track_line or
-        track_line_return: what is expected of the helicopter, leg by leg.
+    pattern: expanding_square, sector, parallel_track, creeping_line, track_line,
+        track_line_return, or none: what is expected of the helicopter, leg by leg; of none that
+        all turns are to one side.
     turn_side: to which side its first leg ends, 1 right, -1 left.
     first_leg_m: of the pattern: the first leg of an expanding square, the radius of a sector
         search, the search legs of the others; 0 for not known.

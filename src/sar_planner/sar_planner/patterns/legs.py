@@ -17,6 +17,7 @@ PatternKind = Literal[
     "creeping_line",
     "track_line",
     "track_line_return",
+    "none",
 ]
 RIGHT_ANGLE_RAD = 0.5 * math.pi
 MOST_LEGS = 40
@@ -58,7 +59,7 @@ class PatternTerms(NamedTuple):
     @property
     def turns_one_way(self) -> bool:
         """Whether all its turns are to one side."""
-        return self.kind in ("expanding_square", "sector")
+        return self.kind in ("expanding_square", "sector", "none")
 
     def is_cross_leg(self, leg: int) -> bool:
         """Whether a leg (from 0) leads from one search leg to the next."""
@@ -66,11 +67,15 @@ class PatternTerms(NamedTuple):
 
     def lengths_m(self) -> tuple[float, ...]:
         """Return the lengths of more legs than are flown [m], none where they are not known."""
-        return tuple(self.length_of(leg) for leg in range(MOST_LEGS)) if self.leg_m > 0.0 else ()
+        return (
+            tuple(self.length_of(leg) for leg in range(MOST_LEGS))
+            if self.length_of(0) > 0.0
+            else ()
+        )
 
     def length_of(self, leg: int) -> float:
         """Return the length expected of a leg (from 0) [m], 0 where it is not known."""
-        if self.leg_m <= 0.0:
+        if self.leg_m <= 0.0 or self.kind == "none":
             return 0.0
         if self.kind == "expanding_square":
             return self.leg_m + (leg // 2) * self.spacing_m
@@ -100,8 +105,11 @@ def legs_of(
 
     ``leg_m``: the first leg of an expanding square, the radius of a sector search, the search legs
     of the others. ``spacing_m``: between the helicopter's neighbouring tracks. ``last_m``: the last
-    leg, where it is another length. Raises ``ValueError`` for corners that a pattern has not.
+    leg, where it is another length. Raises ``ValueError`` for corners that a pattern has not, and
+    for none.
     """
+    if kind == "none":
+        raise ValueError("pattern none: expected one that a helicopter can be simulated in")
     wanted = CORNERS.get(kind, corners)
     if corners != wanted:
         raise ValueError(f"corners = {corners}: expected {wanted} in a {kind}")
