@@ -24,6 +24,8 @@ from sar_planner.paths.slot_intercept import PathBatch, radii_m
 REACH_RADII = 15.0
 MOST_POSES = 200_000
 MANY_POSES = 8000
+# Places that are looked at by one search, some 1.2 s: a planner must not be silent for longer.
+MOST_WORK, WORDS_WORK = 80_000_000, 60
 SAMPLE_M = 6.0
 LEAST_STEP_S, STEP_SHARE = 0.1, 0.03
 # How long a step and how wide a cell is, in turn radii; how many headings are told apart.
@@ -32,7 +34,7 @@ GRIDS = ((0.33, 0.16, 48), (0.25, 0.12, 64), (0.17, 0.08, 96), (0.11, 0.04, 160)
 
 @compiled(
     "boolean(float64, float64, float64, float64, float64, float64, float64, float64[:, :, ::1],"
-    " float64)"
+    " float64, int64[::1])"
 )
 def _is_clear(  # noqa: PLR0917 - compiled functions take arguments by position
     x: float,
@@ -44,9 +46,14 @@ def _is_clear(  # noqa: PLR0917 - compiled functions take arguments by position
     begun_s: float,
     forecasts: FloatArray,
     needed_m: float,
+    work: NDArray[np.int64],
 ) -> bool:
-    """Whether an arc, or a straight, keeps ``needed_m`` from all forecasts, tables (f, 7, m)."""
+    """Whether an arc, or a straight, keeps ``needed_m`` from all forecasts, tables (f, 7, m).
+
+    ``work``, shape (1,): is counted up by what is looked at, here and below.
+    """
     count = int(length_m / SAMPLE_M) + 1
+    work[0] += count * forecasts.shape[0]
     for i in range(1, count + 1):
         along = length_m * i / count
         at_x, at_y = arc_end(x, y, heading, bend, along)
@@ -70,7 +77,7 @@ def _after(
 
 @compiled(
     "boolean(float64[::1], float64[::1], float64[::1], float64, float64, float64[:, :, ::1],"
-    " float64)"
+    " float64, int64[::1])"
 )
 def _is_row_clear(
     row: FloatArray,
@@ -80,6 +87,7 @@ def _is_row_clear(
     begun_s: float,
     forecasts: FloatArray,
     needed_m: float,
+    work: NDArray[np.int64],
 ) -> bool:
     """Whether a batch's row begun at a pose keeps ``needed_m``; ``radius_m``: of its parts."""
     x, y, heading = pose[0], pose[1], pose[2]
@@ -90,7 +98,7 @@ def _is_row_clear(
         turns = radius_m[part] > 0.0
         bend = math.copysign(1.0 / radius_m[part], row[part]) if turns else 0.0
         length = radius_m[part] * abs(row[part]) if turns else row[part]
-        if not _is_clear(x, y, heading, bend, length, speed_mps, now, forecasts, needed_m):
+        if not _is_clear(x, y, heading, bend, length, speed_mps, now, forecasts, needed_m, work):
             return False
         x, y, heading = _after(x, y, heading, bend, length)
         now += length / speed_mps
@@ -107,7 +115,7 @@ def _straight_s(ahead_m: float, y_m: float, slot_mps: float, fastest_mps: float)
 
 @compiled(
     "float64(float64[::1], float64, float64, float64[::1], float64[::1], float64[:, :, ::1],"
-    " float64, float64, float64[:, ::1], float64[::1])"
+    " float64, float64, float64[:, ::1], float64[::1], int64[::1])"
 )
 def _soonest_word(  # noqa: PLR0917 - compiled functions take arguments by position
     pose: FloatArray,
@@ -120,6 +128,7 @@ def _soonest_word(  # noqa: PLR0917 - compiled functions take arguments by posit
     before_s: float,
     rows: FloatArray,
     best_row: FloatArray,
+    work: NDArray[np.int64],
 ) -> float:
     """Return when the soonest clear word from a pose meets the slot, infinite if not before.
 
@@ -129,14 +138,15 @@ def _soonest_word(  # noqa: PLR0917 - compiled functions take arguments by posit
     slot, slowest, fastest = speeds_mps[0], speeds_mps[1], speeds_mps[2]
     radius = radius_m[1]
     lasts = max(_straight_s(pose[0] - slot_x_m, pose[1], slot, fastest), LEAST_STEP_S)
-    while now_s + lasts < before_s:
+    while now_s + lasts < before_s and work[0] < MOST_WORK:
+        work[0] += WORDS_WORK
         fill_words(slot_x_m + slot * lasts - pose[0], -pose[1], pose[2], 0.0, radius, rows)
         for word in range(rows.shape[0]):
             row = rows[word]
             length = row[2] + radius * (abs(row[1]) + abs(row[3]) + abs(row[5]))
             speed = length / lasts
             if slowest - 1e-9 <= speed <= fastest + 1e-9 and _is_row_clear(
-                row, pose, radius_m, speed, now_s, forecasts, needed_m
+                row, pose, radius_m, speed, now_s, forecasts, needed_m, work
             ):
                 best_row[:] = row
                 return now_s + lasts
@@ -189,11 +199,11 @@ def _search(  # noqa: PLR0917 - compiled functions take arguments by position
 ) -> tuple[float, NDArray[np.int64], FloatArray, int]:
     """Return when the slot is met, the turns (-1, 0, 1) of the steps till then, the last word.
 
-    And how many poses the grid holds.
+    And how many poses the grid holds, or could hold where the search was broken off.
 
     Steps are flown at the fastest speed; the time is infinite where none is before ``before_s``.
-    ``sizes_radii``: of a step and of a cell, in turn radii. In one piece: it is compiled, and its
-    tables are its own.
+    ``sizes_radii``: of a step and of a cell, in turn radii. It ends after ``MOST_WORK``. In one
+    piece: it is compiled, and its tables are its own.
     """
     radius = radius_m[1]
     step_m, cell_m, reach_m = sizes_radii[0] * radius, sizes_radii[1] * radius, REACH_RADII * radius
@@ -208,15 +218,16 @@ def _search(  # noqa: PLR0917 - compiled functions take arguments by position
     poses[0], came[0] = start, -1
     begin, end, total, now = 0, 1, 1, start_s
     best, who = before_s, -1
+    work = np.zeros(1, dtype=np.int64)
     rows, word, best_word = np.empty((8, 7)), np.empty(7), np.zeros(7)
-    while begin < end and now < best:
+    while begin < end and now < best and work[0] < MOST_WORK:
         slot_x = slot_x_m + slot * (now - start_s)
         for i in range(begin, end):
             pose = poses[i]
             if now + _straight_s(pose[0] - slot_x, pose[1], slot, fastest) >= best:
                 continue
             met = _soonest_word(
-                pose, now, slot_x, speeds_mps, radius_m, forecasts, needed_m, best, rows, word
+                pose, now, slot_x, speeds_mps, radius_m, forecasts, needed_m, best, rows, word, work
             )
             if met < best:
                 best, who = met, i
@@ -224,7 +235,9 @@ def _search(  # noqa: PLR0917 - compiled functions take arguments by position
             for side in range(-1, 2):
                 bend = side / radius
                 x, y, heading = pose[0], pose[1], pose[2]
-                if not _is_clear(x, y, heading, bend, step_m, fastest, now, forecasts, needed_m):
+                if work[0] >= MOST_WORK or not _is_clear(
+                    x, y, heading, bend, step_m, fastest, now, forecasts, needed_m, work
+                ):
                     continue
                 x, y, heading = _after(x, y, heading, bend, step_m)
                 column = int((x - slot_x - slot * step_s + reach_m) // cell_m)
@@ -236,6 +249,8 @@ def _search(  # noqa: PLR0917 - compiled functions take arguments by position
                 came[total], turned[total] = i, side
                 total += 1
         begin, end, now = end, total, now + step_s
+    if work[0] >= MOST_WORK:
+        total = MOST_POSES
     return best if who >= 0 else math.inf, _turns_to(who, came, turned), best_word, total
 
 
