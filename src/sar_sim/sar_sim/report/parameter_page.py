@@ -30,11 +30,12 @@ HEAD = """# Parameters of the nodes
 Written by `ros2 run sar_sim interfaces --parameters > docs/parameters.md`, from what nodes declare.
 
 SI units and radians unless the name says otherwise. `config/params.yaml` sets them for
-`./launch.sh`, which takes what a scenario prescribes from there: the corner's parameters,
-`turn_side`, `arc_spacing_m`, the datum, `altitude_m`. A default of – is not set: 0 in YAML.
+`./launch.sh`, which takes what a scenario prescribes from there: the corner's parameters, pattern
+and slot, `arc_spacing_m`, the datum, `altitude_m`. A default of – is not set: 0 in YAML.
 
-Parameters are read when a node starts, and are read-only from then on. A value out of bounds ends
-the node at start with one line: parameter, value, what was expected.
+Parameters are read when a node starts, and are read-only from then on, but for the planner's
+`slot_side`, `slot_tracks` and `pattern_leg`. A value out of bounds ends the node at start with one
+line: parameter, value, what was expected.
 """
 
 
