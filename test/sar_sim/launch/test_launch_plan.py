@@ -227,7 +227,11 @@ def test_uavs_on_one_radio_have_a_hub_between():
     assert nodes["radio_hub"]["ports"] == [15000, 15001]
     assert nodes["uav2/bridge"]["autopilot_url"] == "udp:127.0.0.1:15001"
     assert nodes["uav2/bridge"]["target_system"] == 2
+    # A bridge that falls silent must be missed by its own UAV, whoever else is heard on the radio.
+    systems = [nodes[f"{uav}/bridge"]["source_system"] for uav in ("uav1", "uav2")]
+    assert systems == [255, 254]
     apart = with_autopilots(PAIR, [f"uav1={url}", "uav2=tcp:h:1"])
     nodes = {spec.name: spec.parameters for spec in planned(apart, real, [15000, 15001])}
     assert "radio_hub" not in nodes
     assert nodes["uav1/bridge"]["autopilot_url"] == url
+    assert "source_system" not in nodes["uav1/bridge"]

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from sar_bridge.mavlink.link import GROUND_SYSTEM
 from sar_planner.rules.paper_rules import Rule
 from sar_sim.scenario.options import RECORDED_FIX_SIGMA_M
 from sar_sim.scenario.scenario import Scenario, ScenarioError
@@ -214,6 +215,11 @@ def _bridge_parameters(
     }
     if member.autopilot and _users(scenario, member.autopilot) == 1:
         found["autopilot_url"] = member.autopilot
+    elif member.autopilot:
+        # All UAVs on a radio hear all bridges: a heartbeat counts for the one whose
+        # MAV_GCS_SYSID it has, so that a silent bridge is missed by its own UAV.
+        before = sum(one.autopilot == member.autopilot for one in scenario.formation[:number])
+        found["source_system"] = GROUND_SYSTEM - before
     if len(scenario.formation) > 1:
         found["target_system"] = member.system_id
     if options.gcs and number == 0:
