@@ -41,7 +41,7 @@ def trigger(action: str, uav: str) -> Request:
 def setting(uav: str, **values: str | int) -> Request:
     """Return a request that a planner takes parameters, all of them or none."""
     given = [Parameter(name=name, value=_value(value)) for name, value in values.items()]
-    service = f"{'/' if uav else ''}{uav}/planner/set_parameters_atomically"
+    service = topics.of_uav(topics.SET_PARAMETERS, uav)
     taken = " ".join(str(value) for value in values.values())
     return Request(
         SetParametersAtomically,

@@ -134,6 +134,7 @@ def test_every_topic_that_nodes_talk_over_is_in_the_table():
         topics.MARK,
         topics.ORBIT,
         topics.RESUME,
+        topics.SET_PARAMETERS,
     }
     assert set(WIRES) == known - others
 
@@ -261,6 +262,7 @@ def test_what_is_of_a_uav_has_its_name_and_what_all_share_has_none(topic):
     assert topics.of_uav(topic, "") == topic
     assert topics.of_uav(named, "uav3") == named  # it is another one's already
     assert topics.plain(named) == topics.plain(topic) == topic
+    assert (topics.uav_of(named), topics.uav_of(topic)) == ("uav2", "")
     assert topics.name_of(topic) == topic[1:]
     assert topics.name_of(named) == named
 

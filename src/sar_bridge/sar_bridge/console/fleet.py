@@ -18,10 +18,7 @@ TELLING = WIRES.keys() - topics.COMMON - {topics.DIAGNOSTICS}
 
 def uavs_in(names: Iterable[str]) -> tuple[str, ...]:
     """Return the namespaces of the UAVs that a recording's topics are of, sorted; "" for none."""
-    plain = {name: topics.plain(name) for name in names}
-    found = {
-        name.removesuffix(topic).strip("/") for name, topic in plain.items() if topic in TELLING
-    }
+    found = {topics.uav_of(name) for name in names if topics.plain(name) in TELLING}
     return tuple(sorted(found)) or ("",)
 
 

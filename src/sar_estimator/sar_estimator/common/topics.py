@@ -36,6 +36,7 @@ DISENGAGE = "/planner/disengage"
 MARK = "/planner/mark"
 ORBIT = "/planner/orbit"
 RESUME = "/planner/resume"
+SET_PARAMETERS = "/planner/set_parameters_atomically"
 RETURN_HOME = "/bridge/return_home"
 TRUE_HELICOPTER = "/sim/helicopter"
 TRUE_UAV = "/sim/uav"
@@ -88,3 +89,8 @@ def plain(topic: str) -> str:
     """Return a topic without the name of the UAV that it is of."""
     rest = "/" + topic[1:].partition("/")[2]
     return rest if rest in OF_UAV else topic
+
+
+def uav_of(topic: str) -> str:
+    """Return the name of the UAV that a topic is of, empty where it bears none."""
+    return topic.removesuffix(plain(topic)).strip("/")

@@ -29,17 +29,15 @@ class AirEnvelope:
         needed = self._needed_mps(course_rad, ground_speed_mps)
         return min(max(needed, self.slowest_mps), self.fastest_mps)
 
-    def speeds_mps(
-        self, speed_mps: float, trim: float, faster: float | None = None
-    ) -> tuple[float, float]:
+    def speeds_mps(self, speed_mps: float, trim: float, faster: float = 0.0) -> tuple[float, float]:
         """Return the slowest and the fastest ground speed that paths are planned with.
 
         ``trim``, a share, below and above ``speed_mps``, as far as both can be made good on any
-        course; always some ``LEAST_TRIM``. ``faster``: above it, where that is another share.
+        course; always some ``LEAST_TRIM``. ``faster``: above it, where that is more.
         """
         wind, least = math.hypot(*self.wind_mps), min(trim, LEAST_TRIM)
         slowest = max(speed_mps * (1.0 - trim), self.slowest_mps + wind)
-        fastest = min(speed_mps * (1.0 + max(trim, faster or 0.0)), self.fastest_mps - wind)
+        fastest = min(speed_mps * (1.0 + max(trim, faster)), self.fastest_mps - wind)
         return min(slowest, speed_mps * (1.0 - least)), max(fastest, speed_mps * (1.0 + least))
 
     def _needed_mps(self, course_rad: float, ground_speed_mps: float) -> float:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sar_bridge.monitor.parameters import MonitorParameters
 from sar_planner.patterns.legs import PatternTerms
 from sar_planner.patterns.progress import places_of
 from sar_planner.strategies.active_corner import ActiveCorner
@@ -25,7 +26,7 @@ COVERED_FROM_CORNER = 3
 COVERED_FROM_CROSS = 2
 TRACK_LOOKS = 2
 SAME_CORNER_S = 15.0
-LAYER_APART_M = 30.0
+LAYER_APART_M = MonitorParameters().layer_separation_m
 
 
 @dataclass(frozen=True)

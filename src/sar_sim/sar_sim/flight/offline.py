@@ -29,7 +29,6 @@ from sar_planner.parameters.mission import MissionParameters
 from sar_sim.flight.bus import Bus, Joined, Listener
 from sar_sim.flight.chain import Chain
 from sar_sim.flight.upload import SimulatedBridge
-from sar_sim.scenario.formation import Member
 from sar_sim.scenario.scenario import Find, Scenario
 from sar_sim.world.detour import found_beside, place
 from sar_sim.world.finder import Finder
@@ -47,27 +46,6 @@ def message_kind(message: Any) -> str:
     """Return a message's type as ``pkg/msg/Name``."""
     package = type(message).__module__.split(".")[0]
     return f"{package}/msg/{type(message).__name__}"
-
-
-def mission_parameters(
-    scenario: Scenario, *, rules: str, member: Member | None = None, recorded: bool = False
-) -> MissionParameters:
-    """Return the planner's parameters that a scenario prescribes for a UAV, the first one.
-
-    ``recorded``: the helicopter's track, which follows no pattern of known lengths.
-    """
-    member = scenario.formation[0] if member is None else member
-    pattern = scenario.pattern
-    return MissionParameters(
-        turn_side=pattern.turn_side,
-        pattern=pattern.kind,
-        first_leg_m=0.0 if recorded else pattern.first_leg_m,
-        track_spacing_m=pattern.track_spacing_m,
-        slot_side=member.side,
-        slot_tracks=member.tracks,
-        rules=rules,
-        arc_spacing_m=scenario.arc_spacing_m,
-    )
 
 
 def monitor_for(
@@ -151,8 +129,8 @@ class OfflineFlight:
         """Return what leads the formation's UAV of a number."""
         world, scenario = self.world, self.world.scenario
         member = scenario.formation[number]
-        recorded = world.helicopter is None
-        mission = mission_parameters(scenario, rules=rules, member=member, recorded=recorded)
+        told = scenario.planner_parameters(number, recorded=world.helicopter is None)
+        mission = MissionParameters(**told, rules=rules)
         if self._truth:
             mission = replace(mission, reaction_s=0.0)
         autopilot = world.autopilots[member.name]
@@ -162,13 +140,13 @@ class OfflineFlight:
             altitude_m=scenario.altitude_m(number),
             item_s=scenario.uav.item_s,
         )
-        names = [one.name for one in scenario.formation]
-        others = [*names[:number], *names[number + 1 :]]
         side = scenario.pattern.turn_side
         return Chain(
             member.name,
-            PlannerComponent(scenario.corner, mission, yields_to=names[:number]),
-            monitor_for(scenario.corner, side, watch_only=watch_only, others=others),
+            PlannerComponent(scenario.corner, mission, yields_to=scenario.before(number)),
+            monitor_for(
+                scenario.corner, side, watch_only=watch_only, others=scenario.others(number)
+            ),
             bridge,
             autopilot,
         )

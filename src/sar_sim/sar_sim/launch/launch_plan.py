@@ -122,25 +122,14 @@ def _estimator_parameters(scenario: Scenario, options: FlightOptions) -> dict[st
 
 
 def _planner_parameters(scenario: Scenario, options: FlightOptions, number: int) -> dict[str, Any]:
-    member, pattern = scenario.formation[number], scenario.pattern
     corner = {key: value or 0.0 for key, value in asdict(scenario.corner).items()}
-    return corner | {
-        "rules": options.rules,
-        "pattern": pattern.kind,
-        "turn_side": pattern.turn_side,
-        "first_leg_m": 0.0 if options.recorded else pattern.first_leg_m,
-        "track_spacing_m": pattern.track_spacing_m,
-        "slot_side": member.side,
-        "slot_tracks": member.tracks,
-        "arc_spacing_m": scenario.arc_spacing_m,
-        "yields_to": [one.name for one in scenario.formation[:number]],
-    }
+    told = scenario.planner_parameters(number, recorded=options.recorded)
+    return corner | told | {"rules": options.rules, "yields_to": scenario.before(number)}
 
 
 def _monitor_parameters(scenario: Scenario, options: FlightOptions, number: int) -> dict[str, Any]:
-    formation = scenario.formation
     found = {
-        "others": [one.name for one in (*formation[:number], *formation[number + 1 :])],
+        "others": scenario.others(number),
         "min_separation_m": scenario.corner.separation_m,
         "speed_mps": scenario.corner.speed_mps,
         "accel_mps2": scenario.corner.accel_mps2,

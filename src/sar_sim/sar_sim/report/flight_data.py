@@ -164,8 +164,7 @@ def read_flights(bag: Path) -> list[FlightData]:
     for topic, _, message in read_messages(bag, wanted):
         plain = topics.plain(topic)
         if plain in topics.OF_UAV:
-            name = topic.removesuffix(plain).strip("/")
-            own.setdefault(name, _Told()).take(plain, message)
+            own.setdefault(topics.uav_of(topic), _Told()).take(plain, message)
         else:
             shared.take(plain, message)
     seen = sorted(name for name, told in own.items() if told.samples) or [""]

@@ -318,6 +318,30 @@ class Scenario:
         """Return the altitude of the formation's UAV of a number (from 0) [m]."""
         return self.sensor.altitude_m + number * self.layer_m
 
+    def before(self, number: int) -> list[str]:
+        """Return the names of the UAVs that have the right of way over one."""
+        return [one.name for one in self.formation[:number]]
+
+    def others(self, number: int) -> list[str]:
+        """Return the names of the UAVs beside one."""
+        return self.before(number) + [one.name for one in self.formation[number + 1 :]]
+
+    def planner_parameters(self, number: int, *, recorded: bool) -> dict[str, Any]:
+        """Return what is prescribed to a UAV's planner, beside the corner's parameters.
+
+        ``recorded``: the helicopter's track, which follows no pattern of known lengths.
+        """
+        member, pattern = self.formation[number], self.pattern
+        return {
+            "pattern": pattern.kind,
+            "turn_side": pattern.turn_side,
+            "first_leg_m": 0.0 if recorded else pattern.first_leg_m,
+            "track_spacing_m": pattern.track_spacing_m,
+            "slot_side": member.side,
+            "slot_tracks": member.tracks,
+            "arc_spacing_m": self.arc_spacing_m,
+        }
+
     def __post_init__(self) -> None:
         """Check what goes together."""
         wrong = fault_of(self.formation)

@@ -10,6 +10,7 @@ import numpy as np
 
 from sar_planner.patterns.slot import Slot
 from sar_planner.strategies.active_corner import Mode
+from sar_sim.campaign.missions import pairs_in_one_layer
 from sar_sim.flight.chain import Chain
 from sar_sim.flight.offline import OfflineFlight
 from sar_sim.scenario.formation import Member
@@ -121,7 +122,7 @@ def fly(seed: int) -> Trial:
     scenario, kind, at_s = random_scenario(seed)
     flight = OfflineFlight(scenario)
     change = _Change(flight, kind, at_s)
-    in_layer = scenario.layer_m < 1.0
+    in_layer = any(pairs_in_one_layer(scenario))
     helicopter_m = uavs_m = math.inf
     settled_s, corners = math.nan, 0
 
