@@ -1,13 +1,17 @@
 """Whole-graph tests: the real launcher, real processes, real DDS, real MAVLink sockets."""
 
 import os
+import re
 import signal
+import socket
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
+PAGE_WAIT_MS = 60_000
 
 
 class Launch:
@@ -52,6 +56,35 @@ class Launch:
                 found["/".join([*uav, Path(words[1]).name])] = int(entry.name)
         return found
 
+    def operator(self, *words):
+        """Ask as an operator does; return what came of it."""
+        program = ROOT / "install" / "sar_bridge" / "lib" / "sar_bridge" / "operator"
+        return subprocess.run(
+            [str(program), *words],
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+
+    def open_page(self, page):
+        """Open the operator's page as soon as it is there."""
+        file = self.out / "console.txt"
+        ends = time.monotonic() + 60.0
+        while True:
+            assert time.monotonic() < ends, "no page"
+            time.sleep(0.2)
+            if not file.exists() or not file.read_text("utf-8").endswith("\n"):
+                continue
+            address = file.read_text("utf-8").strip()
+            port = int(re.search(r":(\d+)/", address).group(1))
+            with socket.socket() as probe:
+                if probe.connect_ex(("127.0.0.1", port)) == 0:
+                    break
+        assert oct(file.stat().st_mode)[-3:] == "600"
+        page.goto(address)
+
     def kill(self):
         """End the launcher and whatever it left, for good."""
         for number in (self.process.pid, *self.nodes().values()):
@@ -60,6 +93,14 @@ class Launch:
             except ProcessLookupError:
                 continue
         self.process.communicate()
+
+
+@pytest.fixture
+def page(browser):
+    shown = browser.new_page(viewport={"width": 1280, "height": 800})
+    shown.set_default_timeout(PAGE_WAIT_MS)
+    yield shown
+    shown.close()
 
 
 @pytest.fixture

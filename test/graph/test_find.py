@@ -1,7 +1,6 @@
 """A find in the graph, by the operator's commands; the small case is in sar_sim/flight."""
 
 import math
-import subprocess
 import time
 from pathlib import Path
 
@@ -16,16 +15,8 @@ ROOT = Path(__file__).parents[2]
 def ask(flight, action):
     """Ask by ``operator`` until it is granted."""
     ends = time.monotonic() + 60.0
-    program = str(ROOT / "install" / "sar_bridge" / "lib" / "sar_bridge" / "operator")
     while True:
-        answer = subprocess.run(
-            [program, action],
-            env=flight.environment,
-            capture_output=True,
-            text=True,
-            timeout=60,
-            check=False,
-        )
+        answer = flight.operator(action)
         if answer.returncode == 0:
             return answer.stdout
         assert time.monotonic() < ends, answer.stderr + answer.stdout

@@ -3,9 +3,7 @@
 import json
 import signal
 import socket
-import subprocess
 import time
-from pathlib import Path
 
 import pytest
 import yaml
@@ -13,7 +11,6 @@ import yaml
 from sar_sim.launch.launch_cli import free_port
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(300)]
-ROOT = Path(__file__).parents[2]
 SCENARIO = {
     "name": "two",
     "pattern": {"first_leg_m": 1500.0, "corners": 2, "track_spacing_m": 750.0},
@@ -22,15 +19,6 @@ SCENARIO = {
     "uav": {"autopilot": "arduplane", "lag_m": 100.0},
     "formation": [{"name": "uav1"}, {"name": "uav2", "side": "outside"}],
 }
-WAIT_MS = 60_000
-
-
-@pytest.fixture
-def page(browser):
-    shown = browser.new_page(viewport={"width": 1280, "height": 800})
-    shown.set_default_timeout(WAIT_MS)
-    yield shown
-    shown.close()
 
 
 def started(launch, tmp_path, *options, **changes):
@@ -41,15 +29,7 @@ def started(launch, tmp_path, *options, **changes):
 
 def operator(flight, *words):
     """Ask as an operator does; return the exit code, and what was said."""
-    program = ROOT / "install" / "sar_bridge" / "lib" / "sar_bridge" / "operator"
-    done = subprocess.run(
-        [str(program), *words],
-        env=flight.environment,
-        capture_output=True,
-        text=True,
-        timeout=40,
-        check=False,
-    )
+    done = flight.operator(*words)
     return done.returncode, done.stdout + done.stderr
 
 
@@ -87,13 +67,8 @@ def test_two_uavs_fly_on_either_side_and_the_report_tells_of_both(launch, tmp_pa
 def test_a_crew_leads_each_of_two_by_one_page_and_gives_one_another_slot(launch, tmp_path, page):
     port = str(free_port(socket.SOCK_STREAM))
     flight = started(launch, tmp_path, "--speed", "3", "--console-port", port)
-    file = flight.out / "console.txt"
-    ends = time.monotonic() + 60.0
-    while not file.exists() or not file.read_text("utf-8").endswith("\n"):
-        assert time.monotonic() < ends, "no page"
-        time.sleep(0.2)
     await_log(flight, "uav2_planner", "list 1: leg")
-    page.goto(file.read_text("utf-8").strip())
+    flight.open_page(page)
     page.wait_for_selector(".banner.normal")
     assert page.locator(".uavrow").count() == 2
     page.wait_for_selector(".uavrow >> text=outside")

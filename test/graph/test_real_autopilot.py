@@ -67,11 +67,7 @@ class Vehicle(threading.Thread):
 
 
 def operator(flight, action):
-    program = str(ROOT / "install/sar_bridge/lib/sar_bridge/operator")
-    done = subprocess.run(
-        [program, action], env=flight.environment, capture_output=True, text=True, timeout=60,
-        check=False,
-    )  # fmt: skip
+    done = flight.operator(action)
     return done.returncode, done.stdout
 
 
