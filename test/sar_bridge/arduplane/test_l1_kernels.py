@@ -20,11 +20,12 @@ TIMES_S = 0.5 * np.arange(121)
     slowing=st.floats(0.5, 4.0),
     departing=st.floats(0.5, 4.0),
     cruise=st.floats(5.0, 40.0),
+    turn=st.floats(0.1, math.pi),
 )
-def test_it_brakes_to_the_stop_and_departs_square_to_it(
-    x, y, heading, in_s, slowing, departing, cruise
+def test_it_brakes_to_the_stop_and_departs_turned_to_either_side(
+    x, y, heading, in_s, slowing, departing, cruise, turn
 ):
-    ways = stop_and_turn(TIMES_S, x, y, heading, in_s, slowing, departing, cruise)
+    ways = stop_and_turn(TIMES_S, x, y, heading, in_s, slowing, departing, cruise, turn)
     assert ways.shape == (3, len(TIMES_S), 2)
     stop = Pose(x, y, heading)
     before = in_s >= TIMES_S
@@ -33,7 +34,7 @@ def test_it_brakes_to_the_stop_and_departs_square_to_it(
     assert np.allclose(along, -braking_m, atol=1e-6)
     for way, side in ((LEAVES_LEFT, 1.0), (LEAVES_RIGHT, -1.0)):
         assert np.allclose(ways[way][before], ways[STANDS][before])
-        out = Pose(x, y, heading + side * 0.5 * math.pi)
+        out = Pose(x, y, heading + side * turn)
         since = np.maximum(TIMES_S - in_s, 0.0)
         until = cruise / departing
         run_m = np.where(
@@ -43,5 +44,5 @@ def test_it_brakes_to_the_stop_and_departs_square_to_it(
         )
         gone = [out.along(*point) for point in ways[way][~before]]
         assert np.allclose(gone, run_m[~before], atol=1e-6)
-        across = [stop.along(*point) for point in ways[way][~before]]
+        across = [out.across(*point) for point in ways[way][~before]]
         assert np.allclose(across, 0.0, atol=1e-6)

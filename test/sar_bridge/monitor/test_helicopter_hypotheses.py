@@ -18,9 +18,9 @@ TIMES = np.arange(0.0, 40.0, 0.5)
 HABITS = HelicopterModel(20.0, 2.0, 1)
 
 
-def pattern(side=1):
+def pattern(side=1, kind="expanding_square"):
     return PatternHelicopter(
-        Pattern(first_leg_m=800.0, corners=2, turn_side=side), Pilot(), 20.0, 2.0
+        Pattern(kind=kind, first_leg_m=800.0, corners=2, turn_side=side), Pilot(), 20.0, 2.0
     )
 
 
@@ -43,6 +43,7 @@ def positions(truth, now_s):
 
 
 @pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize(("kind", "turn_deg"), [("expanding_square", 90.0), ("sector", 120.0)])
 @pytest.mark.parametrize(
     ("after_onset_s", "phase", "name"),
     [
@@ -52,11 +53,14 @@ def positions(truth, now_s):
         (19.0, Phase.ACCELERATING, "speeds up"),
     ],
 )
-def test_the_likely_one_is_what_a_helicopter_on_the_pattern_does(side, after_onset_s, phase, name):
-    truth = pattern(side)
+def test_the_likely_one_is_what_a_helicopter_on_the_pattern_does(
+    side, after_onset_s, phase, name, kind, turn_deg
+):
+    truth = pattern(side, kind)
     first = truth.corners[0]
     now = first.onset_time_s + after_onset_s
-    found = told(truth, now, phase, corner_of(first, now), HelicopterModel(20.0, 2.0, side))
+    model = HelicopterModel(20.0, 2.0, side, turn_deg)
+    found = told(truth, now, phase, corner_of(first, now), model)
     assert found[name].likely
     ahead = TIMES < 25.0
     assert found[name].positions[ahead] == pytest.approx(positions(truth, now)[ahead], abs=1.0)

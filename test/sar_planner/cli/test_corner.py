@@ -94,6 +94,46 @@ def test_the_outside_rules_are_printed(side, rule, capsys):
     assert lines[9].split()[:2] == ["0", rule]
 
 
+def test_a_turn_of_another_angle_on_the_inside(capsys):
+    assert main(["--turn", "120", "--lag", "100", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["rule"], found["next_lag_m"]) == ("D4", pytest.approx(0.0, abs=0.5))
+    assert found["closest_approach_m"] >= 200.0
+
+
+@pytest.mark.parametrize(
+    ("pattern", "side", "corners", "kinds"),
+    [
+        ("expanding_square", "inside", ["D4"] * 6, 1),
+        ("sector", "outside", ["O1"] * 6, 1),
+        ("parallel_track", "inside", ["O3", "O1"] * 3, 2),
+        ("creeping_line", "left", ["O1", "O1", "D4", "D4", "O1", "O1"], 2),
+        ("track_line_return", "inside", ["O3", "O1"], 2),
+    ],
+)
+def test_the_corners_of_a_pattern_are_printed(pattern, side, corners, kinds, capsys):
+    """The rule of each for a slot; with --graph, a table for each kind of corner."""
+    assert main(["--pattern", pattern, "--side", side]) == 0
+    lines = capsys.readouterr().out.splitlines()[1:]
+    assert [line.split(": ")[1].split()[0] for line in lines] == corners
+    assert main(["--pattern", pattern, "--side", side, "--graph"]) == 0
+    assert len(capsys.readouterr().out.splitlines()) == 1 + len(corners) + kinds * 34
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--side", "right", "--lag", "0"], "--side right: expected with --pattern"),
+        (["--side", "over", "--pattern", "sector"], "--side over: expected without --pattern"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(arguments, message, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    assert stop.value.code == 2
+    assert message in capsys.readouterr().err
+
+
 def test_a_turn_without_an_outside_is_refused(capsys):
     assert main(["--side", "outside", "--turn", "170", "--lag", "0"]) == 2
     assert "turn of 170 degrees" in capsys.readouterr().err

@@ -18,7 +18,8 @@ from sar_planner.prediction.separation import (
     least_distances_m,
     sampling_slack_m,
 )
-from sar_planner.rules.deadbeat_rules import DeadbeatRules, slot_frame
+from sar_planner.rules.deadbeat_paths import slot_frame
+from sar_planner.rules.deadbeat_rules import DeadbeatRules
 from sar_planner.rules.paper_automaton import PaperAutomaton
 from sar_planner.rules.paper_rules import Rule, build
 
@@ -92,11 +93,11 @@ def test_the_distance_looked_at_in_steps_is_hardly_above_the_closest_approach(la
 )
 def test_every_paths_least_distance_is_what_a_fine_look_finds(lag, lead, path_efficiency, kind):
     rules = DeadbeatRules(P, path_efficiency=path_efficiency)
-    problem = rules.problem(lag)
+    problem = rules.paths.problem(lag)
     batch = (
-        rules.curves(problem, lead).batch
+        rules.paths.curves(problem, lead).batch
         if kind == "curves"
-        else rules.weaves(problem, lead, np.radians(np.array([[120.0, 40.0, 56.0]])))
+        else rules.paths.weaves(problem, lead, np.radians(np.array([[120.0, 40.0, 56.0]])))
     )
     batch = batch.take(range(0, len(batch), max(1, len(batch) // 5)))
     forecast = corner_forecast(P).in_frame(slot_frame(P))

@@ -42,9 +42,9 @@ def test_a_faster_weave_sees_more(lead_m: float) -> None:
         assert speed_up == speed_ups[0]
         assert abs(plan.next_lag_m) <= CONVERGED_M
         rules = DeadbeatRules(CORNER, path_efficiency=speed_up)
-        weave = rules._best_weave(rules.problem(0.0), lead_m, 215.0)
+        weave = rules._best_weave(rules.paths.problem(0.0), lead_m, 215.0)
         assert weave is not None
-        uncovered.append(float(rules.uncovered_m2(weave)[0]))
+        uncovered.append(float(rules.paths.uncovered_m2(weave)[0]))
     assert uncovered[1] < 0.9 * uncovered[0]
 
 

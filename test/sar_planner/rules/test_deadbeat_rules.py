@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sar_estimator.common.pose import Pose
 from sar_planner.parameters.corner import CornerParameters, ParameterError
 from sar_planner.prediction.separation import closest_approach
 from sar_planner.rules.deadbeat_automaton import DeadbeatAutomaton
@@ -49,10 +50,16 @@ def test_corners_needed(every_metre):
 
 
 @settings(max_examples=80, deadline=None)
-@given(st.floats(-400.0, 1400.0), st.floats(0.0, 140.0), st.floats(0.6, 1.0))
-def test_every_plan_is_what_it_says(lag, lead, path_efficiency):
+@given(
+    st.floats(-400.0, 1400.0),
+    st.floats(0.0, 140.0),
+    st.floats(0.6, 1.0),
+    st.just(90.0) | st.floats(60.0, 135.0),
+)
+def test_every_plan_is_what_it_says(lag, lead, path_efficiency, turn_deg):
     """It turns after the lead-in, ends on the new slot track, and leaves the lag it says."""
-    rules = DeadbeatRules(P, path_efficiency=path_efficiency)
+    turn = math.radians(turn_deg)
+    rules = DeadbeatRules(P, path_efficiency=path_efficiency, turn_rad=turn)
     try:
         plan = rules.plan(lag, lead_m=lead, separation_m=200.0)
     except NoPathError:
@@ -60,14 +67,31 @@ def test_every_plan_is_what_it_says(lag, lead, path_efficiency):
     path = plan.path
     assert (path.start.x_m, path.start.y_m) == pytest.approx((-80.0 - lag, -250.0))
     assert plan.turn_start_m >= lead - 1e-6
-    assert path.end.x_m == pytest.approx(-250.0, abs=1e-6)
-    assert math.cos(path.end.heading_rad + math.pi / 2) == pytest.approx(1.0)
+    new_leg = Pose(0.0, 0.0, -turn)
+    assert new_leg.across(path.end.x_m, path.end.y_m) == pytest.approx(-250.0, abs=1e-6)
+    assert math.cos(path.end.heading_rad + turn) == pytest.approx(1.0)
     slow = path.length_m - plan.turn_start_m
     flown_s = (plan.turn_start_m + slow / path_efficiency) / 20.0
     slot_m = 20.0 * flown_s - 3.0 * P.stopping_m
-    assert plan.next_lag_m == pytest.approx(slot_m + path.end.y_m, abs=1e-6)
+    ended_m = new_leg.along(path.end.x_m, path.end.y_m)
+    assert plan.next_lag_m == pytest.approx(slot_m - ended_m, abs=1e-6)
     if path_efficiency == 1.0:
-        assert closest_approach(path, P).distance_m >= 200.0
+        assert rules.closest(path).distance_m >= 200.0
+
+
+@pytest.mark.parametrize(("turn_deg", "low", "high"), [(60, -200, 500), (120, 25, 700)])
+def test_lags_that_one_corner_of_another_angle_takes_out(turn_deg, low, high):
+    """With what detection and upload cost, 4 s."""
+    rules = DeadbeatRules(P, turn_rad=math.radians(turn_deg))
+    plans = [rules.plan(lag, lead_m=80.0, separation_m=200.0) for lag in range(low, high, 25)]
+    assert max(abs(plan.next_lag_m) for plan in plans) <= 0.5
+    assert min(rules.closest(plan.path).distance_m for plan in plans) >= 200.0
+
+
+@pytest.mark.parametrize("turn_deg", [50.0, 140.0])
+def test_a_turn_that_the_rules_are_not_for_is_refused(turn_deg):
+    with pytest.raises(NoPathError, match=f"turn of {turn_deg:.0f} degrees: expected 60 to 135"):
+        DeadbeatRules(P, turn_rad=math.radians(turn_deg))
 
 
 @settings(max_examples=25, deadline=None)

@@ -62,7 +62,7 @@ def spread(
     return out
 
 
-@compiled("float64[:,:,::1](float64[::1], f8, f8, f8, f8, f8, f8, f8)")
+@compiled("float64[:,:,::1](float64[::1], f8, f8, f8, f8, f8, f8, f8, f8)")
 def stop_and_turn(
     times_s: FloatArray,
     x_m: float,
@@ -72,8 +72,9 @@ def stop_and_turn(
     slowing_mps2: float,
     departing_mps2: float,
     cruise_mps: float,
+    turn_rad: float,
 ) -> FloatArray:
-    """Return where it is that comes to a stand, and stays; or turns square to a side and departs.
+    """Return where it is that comes to a stand, and stays; or turns to a side and departs.
 
     The stop is at x, y, after ``in_s``. Shape (3, n, 2): ``STANDS``, ``LEAVES_LEFT``,
     ``LEAVES_RIGHT``.
@@ -81,6 +82,9 @@ def stop_and_turn(
     count = times_s.shape[0]
     out = np.empty((3, count, 2))
     cosine, sine = math.cos(heading_rad), math.sin(heading_rad)
+    left, right = heading_rad + turn_rad, heading_rad - turn_rad
+    left_x, left_y = math.cos(left), math.sin(left)
+    right_x, right_y = math.cos(right), math.sin(right)
     ramp_s = cruise_mps / departing_mps2
     for i in range(count):
         left_s = max(in_s - times_s[i], 0.0)
@@ -90,10 +94,10 @@ def stop_and_turn(
         ramp = min(since, ramp_s)
         run = 0.5 * departing_mps2 * ramp**2 + cruise_mps * (since - ramp)
         out[STANDS, i, 0], out[STANDS, i, 1] = stand_x, stand_y
-        out[LEAVES_LEFT, i, 0] = stand_x - run * sine
-        out[LEAVES_LEFT, i, 1] = stand_y + run * cosine
-        out[LEAVES_RIGHT, i, 0] = stand_x + run * sine
-        out[LEAVES_RIGHT, i, 1] = stand_y - run * cosine
+        out[LEAVES_LEFT, i, 0] = stand_x + run * left_x
+        out[LEAVES_LEFT, i, 1] = stand_y + run * left_y
+        out[LEAVES_RIGHT, i, 0] = stand_x + run * right_x
+        out[LEAVES_RIGHT, i, 1] = stand_y + run * right_y
     return out
 
 

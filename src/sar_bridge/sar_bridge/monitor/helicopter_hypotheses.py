@@ -93,7 +93,7 @@ class Helicopter(SeenHelicopter):
         stop, in_s, accel = self._stop(here, speed, now_s)
         model = self.model
         stands, left, right = l1_kernels.stop_and_turn(
-            times, *stop, in_s, accel, model.accel_mps2, self.cruise_mps
+            times, *stop, in_s, accel, model.accel_mps2, self.cruise_mps, model.turn_rad
         )
         inside, outside = (right, left) if model.turn_side > 0 else (left, right)
         return stands, inside, outside
@@ -125,10 +125,10 @@ class Helicopter(SeenHelicopter):
         if self.sure is None:
             return found
         spread = self._ramp_spread(times)
+        accel, turn_rad = self.model.accel_mps2, self.model.turn_rad
         for stop, in_s in unseen_stops(self.corner, *self.sure, self.model, now_s):
-            accel = self.model.accel_mps2
             stands, left, right = l1_kernels.stop_and_turn(
-                times, *stop, in_s, accel, accel, self.cruise_mps
+                times, *stop, in_s, accel, accel, self.cruise_mps, turn_rad
             )
             found += [
                 Future("stood unseen", stands, spread),

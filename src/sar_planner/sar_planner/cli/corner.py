@@ -13,9 +13,13 @@ from typing import Any
 import yaml
 
 from sar_estimator.common.checked import read
+from sar_planner.cli.pattern_corners import corners_of, line_of
 from sar_planner.parameters.corner import RULE_SETS, CornerParameters, ParameterError
+from sar_planner.patterns.legs import CORNERS, PatternTerms
+from sar_planner.patterns.slot import Slot
 from sar_planner.prediction.separation import ClosestApproach, closest_approach
 from sar_planner.rules.deadbeat_automaton import DeadbeatAutomaton
+from sar_planner.rules.deadbeat_rules import DeadbeatRules
 from sar_planner.rules.outside_rules import OutsideRules
 from sar_planner.rules.paper_automaton import PaperAutomaton
 from sar_planner.rules.paper_rules import OUTSIDE, CornerPlan, NoPathError, Rule, build
@@ -31,7 +35,14 @@ FIELDS = {
     "separation": "min_separation_m",
 }
 FORCED = tuple(str(rule) for rule in Rule if rule not in (*OUTSIDE, Rule.RJ))
-SIDES = {"outside": "about the outside of the turn", "over": "over from its inside to its outside"}
+SIDES = {
+    "inside": "on the inside of the turn",
+    "outside": "about the outside of the turn",
+    "over": "over from its inside to its outside",
+}
+RIGHT_ANGLE_DEG = 90.0
+PATTERN_CORNERS = 6
+PATTERNS = ("expanding_square", "sector", "parallel_track", "creeping_line", "track_line_return")
 GRAPH_M, GRAPH_STEP_M = (-200, 600), 25
 PAPER_RULES = (Rule.T1, Rule.T2, Rule.T3, Rule.T4)
 
@@ -42,16 +53,22 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--rules", choices=RULE_SETS, default="deadbeat")
     parser.add_argument("--rule", choices=FORCED, help="this rule, whatever its domain")
     parser.add_argument("--lead", type=float, default=0.0, help="metres flown straight on first")
-    parser.add_argument("--side", choices=("inside", *SIDES), default="inside")
-    parser.add_argument("--turn", type=float, default=90.0, help="of --side outside, over: degrees")
+    parser.add_argument("--side", choices=(*SIDES, "right", "left"), default="inside")
+    parser.add_argument("--turn", type=float, default=RIGHT_ANGLE_DEG, help="degrees")
+    parser.add_argument("--pattern", choices=PATTERNS, help="its corners, for a slot on --side")
+    parser.add_argument("--tracks", type=int, choices=(1, 2, 3), default=1, help="of that slot")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--graph", action="store_true", help="print the automaton (fig. 8)")
     parser.add_argument("--params", type=Path, help="YAML file of corner parameters")
     for option, field in FIELDS.items():
         parser.add_argument(f"--{option}", type=float, help=f"{field}, instead of the default")
     args = parser.parse_args(argv)
-    if args.lag is None and not args.graph:
-        parser.error("--lag or --graph: expected at least one")
+    if args.lag is None and not args.graph and args.pattern is None:
+        parser.error("--lag, --graph or --pattern: expected at least one")
+    if args.pattern is None and args.side not in SIDES:
+        parser.error(f"--side {args.side}: expected with --pattern")
+    if args.pattern is not None and args.side == "over":
+        parser.error("--side over: expected without --pattern, which says where the UAV goes over")
     return args
 
 
@@ -116,33 +133,62 @@ def _plan(
     return build(Rule(rule), lag_m, automaton.parameters, lead_m=lead_m)
 
 
-def _outside(args: argparse.Namespace, parameters: CornerParameters) -> None:
-    """Print what the outside rules do."""
-    from_m = -parameters.spacing_m if args.side == "over" else parameters.spacing_m
-    rules = OutsideRules(parameters, math.radians(args.turn), from_m=from_m)
+def _one_rule_set(args: argparse.Namespace, parameters: CornerParameters) -> None:
+    """Print what the rules of one side, or of another turn than a right angle, do."""
+    turn_rad = math.radians(args.turn)
+    from_m = {"outside": parameters.spacing_m, "over": -parameters.spacing_m}.get(args.side)
+    rules = (
+        DeadbeatRules(parameters, turn_rad=turn_rad)
+        if from_m is None
+        else OutsideRules(parameters, turn_rad, from_m=from_m)
+    )
     if args.graph:
-        sys.stdout.write(
-            f"{SIDES[args.side]}, {args.turn:g} degrees: L(k), rule, L(k+1), closest (metres)\n"
-        )
-        for lag in range(GRAPH_M[0], GRAPH_M[1] + 1, GRAPH_STEP_M):
-            try:
-                plan = rules.plan(lag, lead_m=args.lead, separation_m=parameters.separation_m)
-            except NoPathError:
-                sys.stdout.write(f"{lag:6d}  --\n")
-                continue
-            nearest = rules.closest(plan.path).distance_m
-            sys.stdout.write(f"{lag:6d}  {plan.rule} {plan.next_lag_m:8.1f} {nearest:8.1f}\n")
+        _graph(f"{SIDES[args.side]}, {args.turn:g} degrees", rules, args.lead)
     if args.lag is not None:
         plan = rules.plan(args.lag, lead_m=args.lead, separation_m=parameters.separation_m)
         _print_plan(plan, rules.closest(plan.path), as_json=args.json)
+
+
+def _graph(name: str, rules: DeadbeatRules | OutsideRules, lead_m: float) -> None:
+    sys.stdout.write(f"{name}: L(k), rule, L(k+1), closest (metres)\n")
+    for lag in range(GRAPH_M[0], GRAPH_M[1] + 1, GRAPH_STEP_M):
+        line = line_of(rules, lag, lead_m, rules.parameters.separation_m)
+        sys.stdout.write(f"{lag:6d}  {line}\n")
+
+
+def _pattern(args: argparse.Namespace, parameters: CornerParameters) -> None:
+    """Print what a slot does at the corners of a pattern."""
+    slot = Slot(args.side, args.tracks)
+    count = min(CORNERS.get(args.pattern, PATTERN_CORNERS), PATTERN_CORNERS)
+    corners = list(corners_of(PatternTerms(args.pattern), slot, parameters.spacing_m, count))
+    own, lag_m = parameters.beside(slot.tracks), args.lag or 0.0
+    sys.stdout.write(
+        f"{args.pattern}, slot {slot}, L(k) = {lag_m:g}: corner, turn, places, rule, L(k+1),"
+        " closest (metres)\n"
+    )
+    kinds: dict[object, tuple[str, DeadbeatRules | OutsideRules]] = {}
+    for corner in corners:
+        try:
+            rules = corner.rules(own)
+        except NoPathError as error:
+            line = str(error)
+        else:
+            line = line_of(rules, lag_m, args.lead, own.separation_m)
+            kinds.setdefault(corner.kind, (str(corner), rules))
+        sys.stdout.write(f"{corner.number:3d}  {corner}: {line}\n")
+    for name, rules in kinds.values() if args.graph else ():
+        _graph(name, rules, args.lead)
 
 
 def main(argv: list[str] | None = None) -> int:
     """Run the command; 2 on bad input."""
     args = _arguments(argv)
     try:
-        if args.side != "inside":
-            _outside(args, _parameters(args))
+        if args.pattern is not None:
+            _pattern(args, _parameters(args))
+            return 0
+        if args.side != "inside" or args.turn != RIGHT_ANGLE_DEG:
+            _one_rule_set(args, _parameters(args))
             return 0
         rules = args.rules
         if args.rule is not None:

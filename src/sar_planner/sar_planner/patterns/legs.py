@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from typing import Literal, NamedTuple
 
+from sar_estimator.common.checked import Side
+
 PatternKind = Literal[
     "expanding_square",
     "sector",
@@ -44,17 +46,20 @@ class PatternTerms(NamedTuple):
     """
 
     kind: PatternKind = "expanding_square"
-    side: int = 1
+    side: Side = 1
     leg_m: float = 0.0
     spacing_m: float = 0.0
 
     def turn_after(self, leg: int) -> float:
         """Return the turn at the end of a leg (from 0), left positive [rad]; see ``legs_of``."""
-        if self.kind == "sector":
-            return -self.side * SECTOR_RAD
         back = self.kind in ("parallel_track", "creeping_line") and leg // 2 % 2 == 1
         back = back or (self.kind == "track_line_return" and leg > 1)
-        return (self.side if back else -self.side) * RIGHT_ANGLE_RAD
+        return (self.side if back else -self.side) * self.angle_rad
+
+    @property
+    def angle_rad(self) -> float:
+        """The size of its turns [rad]."""
+        return SECTOR_RAD if self.kind == "sector" else RIGHT_ANGLE_RAD
 
     @property
     def turns_one_way(self) -> bool:
@@ -87,7 +92,7 @@ class PatternTerms(NamedTuple):
 SQUARE = PatternTerms()
 
 
-def inside_of(turn_rad: float) -> int:
+def inside_of(turn_rad: float) -> Side:
     """Return which side is inside of a turn: 1 right, -1 left."""
     return -1 if turn_rad > 0.0 else 1
 
@@ -98,7 +103,7 @@ def legs_of(
     leg_m: float,
     spacing_m: float,
     corners: int,
-    side: int,
+    side: Side,
     last_m: float | None = None,
 ) -> list[Leg]:
     """Return the legs of a pattern with so many corners; ``side``: 1 first to the right, -1 left.

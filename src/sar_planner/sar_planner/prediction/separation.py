@@ -27,14 +27,23 @@ class ClosestApproach:
     time_s: float
 
 
-def corner_forecast(p: CornerParameters) -> Forecast:
+def corner_forecast(p: CornerParameters, turn_rad: float = 0.5 * math.pi) -> Forecast:
     """Return the helicopter's motion at a corner, in the corner's frame, slowing from time 0."""
-    return cornering(0.0, Pose(0.0, 0.0, 0.0), speed_mps=p.speed_mps, accel_mps2=p.accel_mps2)
+    return cornering(
+        0.0,
+        Pose(0.0, 0.0, 0.0),
+        speed_mps=p.speed_mps,
+        accel_mps2=p.accel_mps2,
+        turn_rad=-turn_rad,
+    )
 
 
-def closest_approach(path: FlightPath, p: CornerParameters) -> ClosestApproach:
+def closest_approach(
+    path: FlightPath, p: CornerParameters, turn_rad: float = 0.5 * math.pi
+) -> ClosestApproach:
     """Return the closest approach while the path is flown at V and the helicopter turns."""
-    return closest_over_time(path, corner_forecast(p), start_s=0.0, speed_mps=p.speed_mps)
+    forecast = corner_forecast(p, turn_rad)
+    return closest_over_time(path, forecast, start_s=0.0, speed_mps=p.speed_mps)
 
 
 def closest_over_time(

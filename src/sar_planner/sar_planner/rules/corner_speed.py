@@ -7,6 +7,7 @@ more.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from sar_planner.guidance.wind_triangle import LEAST_TRIM, AirEnvelope
@@ -32,16 +33,19 @@ def sped_up_plan(
     separations_m: Sequence[float],
     speed_ups: Sequence[float],
     path_efficiency: float,
+    turn_rad: float = 0.5 * math.pi,
 ) -> tuple[CornerPlan, float] | None:
     """Return the plan of a corner and how much faster than V it is flown; None where there is none.
 
     The first separation and speed, in the order given, at which the lag is taken out; else what
-    leaves the least. Only weaves are flown faster: they see more by it.
+    leaves the least. Only weaves are flown faster: they see more by it. ``turn_rad``: the size of
+    the turn. Raises ``NoPathError`` for one that the rules are not for.
     """
     found: tuple[CornerPlan, float] | None = None
     for separation in separations_m:
         for speed_up in speed_ups:
-            rules = DeadbeatRules(parameters, path_efficiency=path_efficiency * speed_up)
+            share = path_efficiency * speed_up
+            rules = DeadbeatRules(parameters, path_efficiency=share, turn_rad=turn_rad)
             only = Rule.D4 if speed_up > 1.0 else None
             try:
                 plan = rules.plan(lag_m, lead_m=lead_m, separation_m=separation, only=only)

@@ -24,10 +24,10 @@ from collections.abc import Iterator
 from sar_estimator.common.pose import Pose
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.paths.flight_path import Arc, CornerFrame, FlightPath, Straight
-from sar_planner.prediction.forecast import cornering
 from sar_planner.prediction.separation import (
     ClosestApproach,
     closest_over_time,
+    corner_forecast,
     least_apart_m,
     sampling_slack_m,
 )
@@ -64,13 +64,7 @@ class OutsideRules:
         self._from_m = p.spacing_m if from_m is None else from_m
         self._to_m = p.spacing_m if to_m is None else to_m
         self._speed_mps = speed_mps or p.speed_mps
-        forecast = cornering(
-            0.0,
-            Pose(0.0, 0.0, 0.0),
-            speed_mps=p.speed_mps,
-            accel_mps2=p.accel_mps2,
-            turn_rad=-turn_rad,
-        )
+        forecast = corner_forecast(p, turn_rad)
         self._frame = CornerFrame(Pose(0.0, 0.0, -turn_rad).offset(0.0, self._to_m), -1)
         self._in_corner, self._in_slot = forecast, forecast.in_frame(self._frame)
 

@@ -7,12 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from sar_bridge.monitor.component import MonitorComponent
-from sar_bridge.monitor.helicopter_model import HelicopterModel
-from sar_bridge.monitor.parameters import MonitorParameters
 from sar_bridge.monitor.separation_monitor import SeparationMonitor
 from sar_estimator.bags.bag import BagWriter, serialised
 from sar_estimator.common import topics
-from sar_estimator.common.checked import Side
 from sar_estimator.common.component import Component
 from sar_estimator.common.conversions import stamped_s
 from sar_estimator.common.gps_fix import Fix
@@ -26,9 +23,11 @@ from sar_planner.component import PlannerComponent
 from sar_planner.mission_planner import MissionPlanner
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
+from sar_planner.patterns.legs import PatternTerms
 from sar_sim.flight.bus import Bus, Joined, Listener
 from sar_sim.flight.chain import Chain
 from sar_sim.flight.upload import SimulatedBridge
+from sar_sim.scenario.monitor import limits_of, model_of
 from sar_sim.scenario.scenario import Find, Scenario
 from sar_sim.world.detour import found_beside, place
 from sar_sim.world.finder import Finder
@@ -50,17 +49,14 @@ def message_kind(message: Any) -> str:
 
 def monitor_for(
     corner: CornerParameters,
-    turn_side: Side,
+    terms: PatternTerms,
     *,
     watch_only: bool = False,
     others: Sequence[str] = (),
 ) -> MonitorComponent:
     """Return the monitor of a UAV's mission, as the launcher sets it up."""
-    return MonitorComponent(
-        MonitorParameters(min_separation_m=corner.separation_m, watch_only=watch_only),
-        HelicopterModel(corner.speed_mps, corner.accel_mps2, turn_side),
-        others=others,
-    )
+    limits, model = limits_of(corner, watch_only=watch_only), model_of(corner, terms)
+    return MonitorComponent(limits, model, others=others)
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,12 +136,12 @@ class OfflineFlight:
             altitude_m=scenario.altitude_m(number),
             item_s=scenario.uav.item_s,
         )
-        side = scenario.pattern.turn_side
+        terms = scenario.pattern.terms
         return Chain(
             member.name,
             PlannerComponent(scenario.corner, mission, yields_to=scenario.before(number)),
             monitor_for(
-                scenario.corner, side, watch_only=watch_only, others=scenario.others(number)
+                scenario.corner, terms, watch_only=watch_only, others=scenario.others(number)
             ),
             bridge,
             autopilot,

@@ -167,9 +167,7 @@ class MonitorReplay(_Replay):
 
     def __init__(self, flown: FlownWith) -> None:
         """Begin with nothing known but what the flight was flown with."""
-        self._monitor = monitor_for(
-            flown.corner, flown.mission.turn_side, watch_only=flown.watch_only
-        )
+        self._monitor = monitor_for(flown.corner, flown.mission.terms, watch_only=flown.watch_only)
         super().__init__(self._monitor)
         self._begun = False
         self._looked = -1

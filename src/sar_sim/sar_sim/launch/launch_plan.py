@@ -9,6 +9,7 @@ from typing import Any
 
 from sar_bridge.mavlink.link import GROUND_SYSTEM
 from sar_planner.rules.paper_rules import Rule
+from sar_sim.scenario.monitor import limits_of, model_of
 from sar_sim.scenario.options import RECORDED_FIX_SIGMA_M
 from sar_sim.scenario.scenario import Scenario, ScenarioError
 
@@ -128,14 +129,13 @@ def _planner_parameters(scenario: Scenario, options: FlightOptions, number: int)
 
 
 def _monitor_parameters(scenario: Scenario, options: FlightOptions, number: int) -> dict[str, Any]:
+    limits = limits_of(scenario.corner, watch_only=options.watch_only)
     found = {
         "others": scenario.others(number),
-        "min_separation_m": scenario.corner.separation_m,
-        "speed_mps": scenario.corner.speed_mps,
-        "accel_mps2": scenario.corner.accel_mps2,
-        "turn_side": scenario.pattern.turn_side,
+        "min_separation_m": limits.min_separation_m,
+        **asdict(model_of(scenario.corner, scenario.pattern.terms)),
     }
-    return found | ({"watch_only": True} if options.watch_only else {})
+    return found | ({"watch_only": True} if limits.watch_only else {})
 
 
 def _console_parameters(scenario: Scenario, options: FlightOptions, bag: Path) -> dict[str, Any]:

@@ -173,7 +173,7 @@ class _Flight:
     def __init__(self, scenario: Scenario, *, gated: bool) -> None:
         self.world = world = World(scenario)
         self._estimator = EstimatorComponent(EstimatorParameters(), world.datum)
-        self._monitor = monitor_for(scenario.corner, scenario.pattern.turn_side)
+        self._monitor = monitor_for(scenario.corner, scenario.pattern.terms)
         self._gated = gated
         self._bridge = SimulatedBridge(
             world.autopilot,

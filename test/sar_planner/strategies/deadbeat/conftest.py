@@ -16,9 +16,9 @@ from sar_planner.strategies.deadbeat.state import State, Tick
 CORNER = CornerEstimate(104.0, Pose(80.0, 0.0, 0.0), 108.0, 20.0, 2.5, np.zeros((2, 2)), 0.0, 0.0)
 
 
-def situation_of(*, helicopter, uav, leg_mps, corner):
+def situation_of(*, helicopter, uav, leg_mps, corner, slot):
     """A helicopter on a leg east through the origin, at (0, 0) at t = 100 s."""
-    known = Situation(CornerParameters(), PatternTerms(side=1))
+    known = Situation(CornerParameters(), PatternTerms(side=1), slot)
     known.set_helicopter(helicopter)
     known.set_uav(uav)
     known.set_phase(Phase.CRUISE)
@@ -38,13 +38,16 @@ def tick_at():
         east = 20.0 * (now_s - 100.0)
         motion = Motion(now_s, east, 0.0, leg_mps, 0.0)
         uav = Motion(now_s, east if x is None else x, y, 20.0, vy)
-        known = situation_of(helicopter=motion, uav=uav, leg_mps=leg_mps, corner=corner)
+        settings = MissionParameters(**mission)
+        known = situation_of(
+            helicopter=motion, uav=uav, leg_mps=leg_mps, corner=corner, slot=settings.slot
+        )
         return Tick(
             now_s,
             known,
             known.forecasts(now_s),
             CornerParameters(),
-            MissionParameters(**mission),
+            settings,
             AirEnvelope(),
         )
 

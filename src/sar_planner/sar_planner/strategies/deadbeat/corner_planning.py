@@ -18,7 +18,6 @@ from sar_planner.strategies.active_corner import ActiveCorner, measured, unusabl
 from sar_planner.strategies.deadbeat.rejoining import start_rejoining
 from sar_planner.strategies.deadbeat.state import Decision, State, Tick
 
-BEHIND_SPACINGS = 0.25  # of lag: a UAV so far behind need not wait
 OUTSIDE_SLOWER = 0.3  # share of V by which a UAV flies slower about the outside of a corner
 MADE_UP_SHARE = 0.7  # of a leg: on which a lag that an outer corner leaves is made up
 
@@ -92,6 +91,7 @@ def _rule_plan(
         separations_m=tick.separations_m,
         speed_ups=speed_ups_of(tick.air, estimate.speed_mps, tick.mission.corner_speed_up),
         path_efficiency=state.efficiency.share,
+        turn_rad=abs(tick.situation.turn_rad),
     )
 
 
@@ -114,10 +114,11 @@ def _outside_plan(
     faster = tick.speeds_beside_mps(speed)[1] / speed - 1.0
     leg_m = tick.situation.progress.next.length_m or math.inf
     most_left_m = MADE_UP_SHARE * leg_m * faster + tick.corner.spacing_m
-    behind = lag_m > BEHIND_SPACINGS * tick.corner.spacing_m
-    shares = (1.0,) if behind else (slowest, 0.5 * (slowest + 1.0), 1.0)
+    # One that is behind passes no sooner than one in its slot that flies as slowly as it may.
+    way_m = to_m + parameters.stopping_m
+    slowest = min(max(slowest * (1.0 + lag_m / way_m), slowest), 1.0)
     for separation_m in tick.separations_m:
-        for share in shares:
+        for share in (slowest, 0.5 * (slowest + 1.0), 1.0):
             rules = OutsideRules(
                 parameters,
                 abs(tick.situation.turn_rad),

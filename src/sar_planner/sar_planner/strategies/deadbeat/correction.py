@@ -90,7 +90,8 @@ def _sweep(state: State, tick: Tick) -> SweepAt | None:
     no_rule = state.corner is None or state.corner.plan.rule is Rule.RJ or state.flies_outside
     if no_rule or estimate is None:
         return None
-    return SweepAt(tick.corner.spacing_m, tick.slot_frame.to_frame(estimate.stop).x_m)
+    corner_x_m = tick.slot_frame.to_frame(estimate.stop).x_m
+    return SweepAt(tick.corner.spacing_m, corner_x_m, abs(tick.situation.turn_rad))
 
 
 def _widest(search: Recapture, state: State, tick: Tick) -> Decision:

@@ -210,7 +210,8 @@ class Tick:
         if share >= self.mission.low_efficiency:
             return 0.0
         lead_m = self.corner.speed_mps * (self.mission.detection_s + self.mission.reaction_s)
-        rules = DeadbeatRules(self.corner, path_efficiency=share)
+        turn_rad = abs(self.situation.turn_rad)
+        rules = DeadbeatRules(self.corner, path_efficiency=share, turn_rad=turn_rad)
         return least_lag_m(rules, lead_m=lead_m, separation_m=self.corner.separation_m)
 
     def on_slot(self) -> bool:
