@@ -67,7 +67,7 @@ def test_most_of_the_square_is_seen():
 def test_a_uav_that_turns_wide_flies_the_papers_extra_path():
     campaign = load_campaign(find_plan("wide_turns"))
     paper = campaign.combinations[0]
-    summary = Summary(paper, (paper.fly(0, campaign.lag_m),), campaign.from_corner)
+    summary = Summary(paper, (paper.fly(0, campaign.lag_m),))
     extra = summary.extra_by_rule_m()
     assert 300.0 < extra["T2"].mean() < 550.0
     assert "T2 " in line_of(summary)

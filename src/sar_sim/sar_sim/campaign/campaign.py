@@ -35,7 +35,8 @@ Document = dict[str, Any]
 class Way:
     """How a mission is flown, beside its scenario, whose name or file ``scenario`` is.
 
-    ``redundancy``: f, by which tracks are nearer to each other. ``tolerance_m``: on |L(k)|.
+    ``redundancy``: f, by which tracks are nearer to each other. ``tolerance_m``: on |L(k)|, which
+    counts from corner ``from_corner`` on.
     ``watch_only``: the monitor says what it sees and does nothing.
     """
 
@@ -43,6 +44,7 @@ class Way:
     rules: Literal["deadbeat", "paper", "follow"] = "deadbeat"
     redundancy: Annotated[float, Field(ge=0.0, lt=1.0)] | None = None
     tolerance_m: Positive = 15.0
+    from_corner: Count = 4
     watch_only: bool = False
 
 
@@ -56,7 +58,6 @@ class Plan(Way):
     name: str = ""
     seeds: Count = 30
     lag_m: tuple[float, float] | None = None
-    from_corner: Count = 4
     vary: dict[str, Any] = field(default_factory=dict)
 
 
@@ -64,8 +65,8 @@ class Plan(Way):
 class Combination:
     """One combination of what varies: ``labels`` by factor, and the scenario it is flown in.
 
-    ``tolerance_m``: on |L(k)|. ``watch_only``: the monitor says
-    what it sees and does nothing.
+    ``tolerance_m``: on |L(k)|, which counts from corner ``from_corner`` on. ``watch_only``: the
+    monitor says what it sees and does nothing.
     """
 
     labels: dict[str, str]
@@ -73,6 +74,7 @@ class Combination:
     rules: str
     watch_only: bool
     tolerance_m: float
+    from_corner: int
 
     @property
     def name(self) -> str:
@@ -89,13 +91,12 @@ class Combination:
 
 @dataclass(frozen=True)
 class Campaign:
-    """A plan: what is flown, how often, and from which corner on |L(k)| counts."""
+    """A plan: what is flown, and how often."""
 
     name: str
     combinations: tuple[Combination, ...]
     seeds: int
     lag_m: tuple[float, float] | None
-    from_corner: int
     document: Document
 
 
@@ -117,7 +118,6 @@ def _campaign(document: Document, stem: str) -> Campaign:
         combinations,
         plan.seeds,
         plan.lag_m,
-        plan.from_corner,
         {**document, "scenarios": [scenario_document(one.scenario) for one in combinations]},
     )
 
@@ -171,7 +171,9 @@ def _combination(labels: dict[str, str], part: Document) -> Combination:
     scenario = scenario_of(document)
     if way.redundancy is not None:
         scenario = _redundant(scenario, way.redundancy)
-    return Combination(labels, scenario, way.rules, way.watch_only, way.tolerance_m)
+    return Combination(
+        labels, scenario, way.rules, way.watch_only, way.tolerance_m, way.from_corner
+    )
 
 
 def _redundant(scenario: Scenario, share: float) -> Scenario:

@@ -49,7 +49,7 @@ def main(argv: list[str] | None = None) -> int:
     found = summaries(campaign, flown)
     write_rows(args.out / "rows.csv", campaign, flown)
     write_summary(args.out / "summary.csv", found)
-    lines = [f"campaign {campaign.name}, |L(k)| from corner {campaign.from_corner} on", HEADER]
+    lines = [f"campaign {campaign.name}", HEADER]
     text = "\n".join([*lines, *map(line_of, found)]) + "\n"
     (args.out / "summary.txt").write_text(text, encoding="utf-8")
     sys.stdout.write(text)

@@ -76,7 +76,6 @@ class Summary:
 
     combination: Combination
     missions: tuple[Mission, ...]
-    from_corner: int
 
     @property
     def late_m(self) -> np.ndarray:
@@ -95,7 +94,7 @@ class Summary:
             for mission in self.missions
             for of_uav in (mission.lags_m, *mission.others_lags_m)
             for leg, lag in enumerate(of_uav)
-            if leg >= self.from_corner - 1 and terms.is_cross_leg(leg) is cross_legs
+            if leg >= self.combination.from_corner - 1 and terms.is_cross_leg(leg) is cross_legs
         ]
         return np.array(lags or [math.nan])
 
@@ -139,7 +138,7 @@ class Summary:
 def summaries(campaign: Campaign, missions: Sequence[Sequence[Mission]]) -> list[Summary]:
     """Return a campaign's summaries, of the missions of each combination."""
     return [
-        Summary(one, tuple(flown), campaign.from_corner)
+        Summary(one, tuple(flown))
         for one, flown in zip(campaign.combinations, missions, strict=True)
     ]
 
@@ -222,7 +221,8 @@ def line_of(one: Summary) -> str:
         f"{v['late_lag_p95_m'].value:8.1f}{v['late_lag_max_m'].value:8.1f}{within:8.1f}"
         f"{v['separation_least_m'].value:9.1f}{v['separation_m'].value:9.1f}"
         f"{v['coverage_percent'].text(2):>24s}{v['rate_km2_per_h'].value:7.2f}\n"
-        f"    within {one.combination.tolerance_m:g} m for good: {good.text(1)} % of missions, "
+        f"    |L(k)| from corner {one.combination.from_corner} on; "
+        f"within {one.combination.tolerance_m:g} m for good: {good.text(1)} % of missions, "
         f"after {corners.text(1)} corners; extra path {extra.text(1)} m a corner\n"
         f"    coverage of what the helicopter's own track allows {v['reached_percent'].text(2)} %; "
         f"{v['lists_per_corner'].text(1)} lists a corner{beside}\n"

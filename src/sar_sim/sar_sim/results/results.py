@@ -162,7 +162,8 @@ def failure(found: Mapping[str, Sequence[Summary]]) -> str:
     """Return what the errors of the paper's hardware-in-the-loop runs do, rules by rules."""
     rows = []
     for error, one in ((error, one) for error, flown in found.items() for one in flown):
-        late = sorted(abs(lag) for m in one.missions for lag in m.lags_m[one.from_corner - 1 :])
+        begun = one.combination.from_corner - 1
+        late = sorted(abs(lag) for m in one.missions for lag in m.lags_m[begun:])
         low, high = late[int(0.05 * len(late))], late[int(0.95 * (len(late) - 1))]
         values, curves = one.values(), one.extra_by_rule_m().get("T2")
         rows.append(
