@@ -2,13 +2,14 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from sar_estimator.common import topics
 from sar_estimator.common.component import NOTICES
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.reports import HelicopterReport, MonitorReport, UavReport, UavStatus
-from sar_estimator.common.states import LegEstimate, Motion, Phase
+from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.component import PlannerComponent
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
@@ -133,3 +134,42 @@ def test_a_pattern_is_counted_on_from_the_leg_that_is_told():
     component = PlannerComponent(CornerParameters(), MissionParameters(pattern_leg=4))
     assert component.planner.situation.progress.leg == 3
     assert component.health(0.0).values["pattern_leg"] == 4
+
+
+def reported(component, topic=topics.PATTERN):
+    return of(component.report(100.0), topic)
+
+
+def test_the_pattern_ahead_is_told_when_it_has_moved():
+    mission = MissionParameters(first_leg_m=2000.0, track_spacing_m=500.0)
+    component = PlannerComponent(CornerParameters(), mission)
+    assert reported(component) == []
+    (told,) = reported(fed(component=component))
+    assert told[:3] == pytest.approx(np.array([[2000, 0], [2000, -2000], [-500, -2000]]))
+    assert reported(component) == []
+    aside = LegEstimate(130.0, Pose(600.0, 3.0, 0.0), 20.0, 0.3, 0.001, 0.02)
+    component.handle(topics.LEG, aside, 130.0)
+    assert reported(component) == []  # three metres are not worth it
+    longer = LegEstimate(210.0, Pose(2200.0, 3.0, 0.0), 20.0, 0.3, 0.001, 0.02)
+    component.handle(topics.LEG, longer, 210.0)
+    (told,) = reported(component)
+    assert told[:2] == pytest.approx(np.array([[2200.0, 3.0], [2200.0, -1997.0]]))
+
+
+def test_the_pattern_ahead_follows_the_corner_that_is_predicted_and_the_leg_after_it():
+    mission = MissionParameters(first_leg_m=2000.0, track_spacing_m=500.0)
+    component = fed(component=PlannerComponent(CornerParameters(), mission))
+    stop = Pose(1500.0, 0.0, 0.0)
+    corner = CornerEstimate(168.0, stop, 179.0, 20.0, 2.5, np.eye(2), 0.01, 0.2)
+    component.handle(topics.PREDICTION, corner, 168.0)
+    (told,) = reported(component)
+    assert told[:2] == pytest.approx(np.array([[1500.0, 0.0], [1500.0, -2000.0]]))
+    component.handle(topics.PHASE, Phase.CRUISE, 200.0)
+    turned = LegEstimate(200.0, Pose(1510.0, -300.0, -math.pi / 2), 20.0, 0.3, 0.001, 0.02)
+    component.handle(topics.LEG, turned, 200.0)
+    (told,) = reported(component)
+    assert told[:2] == pytest.approx(np.array([[1510.0, -2000.0], [-990.0, -2000.0]]))
+
+
+def test_of_no_pattern_nothing_is_told():
+    assert reported(fed()) == []  # how long the legs are is not known

@@ -5,10 +5,13 @@ import numpy as np
 from sar_estimator.common.states import Motion
 from sar_planner.markers import KEPT_STRETCHES, STRETCH, TRACK_M, Markers, TrackMarker
 
+NOTHING = np.empty((0, 2))
 
-def shown(markers, time_s, x=0.0, plan=None):
+
+def shown(markers, time_s, x=0.0, plan=None, pattern=NOTHING):
+    uav = Motion(time_s, x, 0.0, 5.0, 0.0)
     message = markers.message(
-        time_s, helicopter=None, uav=Motion(time_s, x, 0.0, 5.0, 0.0), plan=plan, text="leg"
+        time_s, helicopter=None, uav=uav, plan=plan, pattern=pattern, text="leg"
     )
     return {(marker.ns, marker.id): marker for marker in message.markers}
 
@@ -53,3 +56,12 @@ def test_an_aircraft_never_seen_has_no_track_and_a_withdrawn_list_no_line():
     assert len(first["plan", 0].points) == 2
     assert ("plan", 0) not in shown(markers, 2.0, plan=plan)
     assert len(shown(markers, 3.0, plan=None)["plan", 0].points) == 0
+
+
+def test_the_pattern_ahead_is_a_thinner_line_and_sent_when_it_is_new():
+    markers = Markers()
+    pattern = np.array([[0.0, 0.0], [100.0, 0.0], [100.0, 50.0]])
+    first = shown(markers, 1.0, plan=pattern[:2], pattern=pattern)
+    assert len(first["pattern", 0].points) == 3
+    assert first["pattern", 0].scale.x < first["plan", 0].scale.x
+    assert ("pattern", 0) not in shown(markers, 2.0, plan=pattern[:2], pattern=pattern)

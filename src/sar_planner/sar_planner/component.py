@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
 from sar_estimator.common import topics
 from sar_estimator.common.checked import changed
 from sar_estimator.common.component import (
@@ -29,11 +31,12 @@ from sar_estimator.common.reports import (
     UavStatus,
     WaypointList,
 )
-from sar_estimator.common.states import CornerEstimate
+from sar_estimator.common.states import CornerEstimate, FloatArray
 from sar_planner.guidance.vehicle import Vehicle
 from sar_planner.mission_planner import MissionPlanner, PlannedList
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
+from sar_planner.patterns.ahead import have_moved
 from sar_planner.patterns.slot import Slot
 from sar_planner.strategies.active_corner import ActiveCorner, Mode
 
@@ -47,7 +50,7 @@ MOST_RATE_HZ = 100.0
 class PlannerComponent(Component):
     """Feeds the mission planner, and tells its decisions.
 
-    ``planner``: what is fed.
+    ``planner``: what is fed. ``pattern``: the corners ahead that were told last, shape (n, 2) [m].
     """
 
     name = "planner"
@@ -58,6 +61,7 @@ class PlannerComponent(Component):
         topics.LAG,
         topics.CORNER_PLAN,
         topics.CORNER_PATH,
+        topics.PATTERN,
         topics.MISSION,
         topics.MARKS,
         topics.DIAGNOSTICS,
@@ -86,6 +90,7 @@ class PlannerComponent(Component):
         situation.others, situation.layer_m = OtherUavs(yields_to), mission.layer_separation_m
         self._asked_mps = 0.0
         self._noted = ""
+        self.pattern: FloatArray = np.empty((0, 2))
         self.inputs = {
             topics.HELICOPTER_ODOMETRY: self._on_helicopter,
             topics.UAV_ODOMETRY: self._on_uav,
@@ -240,11 +245,14 @@ class PlannerComponent(Component):
         return [(NOTICES, Notice("warning", problem))] if problem else []
 
     def report(self, now_s: float) -> Outputs:  # noqa: ARG002
-        """Tell the mode, and the lag where there is one."""
-        lag = self.planner.lag_m()
+        """Tell the mode, the lag where there is one, and what is new of the pattern ahead."""
+        lag, ahead = self.planner.lag_m(), self.planner.situation.pattern_ahead
         found: Outputs = [(topics.MODE, self.planner.rule)]
         if lag is not None:
             found.append((topics.LAG, lag))
+        if have_moved(ahead, self.pattern):
+            self.pattern = ahead
+            found.append((topics.PATTERN, ahead))
         return found
 
     def health(self, now_s: float) -> Health:  # noqa: ARG002

@@ -1,4 +1,4 @@
-"""What the planner shows in RViz and Foxglove: both tracks, the list, the active rule."""
+"""What the planner shows in RViz and Foxglove: tracks, list, the pattern ahead, the active rule."""
 
 from __future__ import annotations
 
@@ -19,8 +19,10 @@ COLOURS = {
     "helicopter": (0.85, 0.35, 0.0, 1.0),
     "uav": (0.0, 0.35, 0.7, 1.0),
     "plan": (0.0, 0.6, 0.5, 1.0),
+    "pattern": (0.6, 0.6, 0.6, 0.7),
     "rule": (1.0, 1.0, 1.0, 1.0),
 }
+WIDTH_M, PATTERN_WIDTH_M = 4.0, 1.5
 
 
 class TrackMarker:
@@ -64,7 +66,7 @@ class Markers:
     def __init__(self) -> None:
         """Show nothing yet."""
         self._tracks = {name: TrackMarker(name) for name in ("helicopter", "uav")}
-        self._plan: Any = None
+        self._lines: dict[str, Any] = {}
 
     def message(
         self,
@@ -73,17 +75,22 @@ class Markers:
         helicopter: Motion | None,
         uav: Motion | None,
         plan: FloatArray | None,
+        pattern: FloatArray,
         text: str,
     ) -> MarkerArray:
-        """Return what has changed: tracks that grew, a new list, shape (n, 2) [m], the rule."""
+        """Return what has changed: tracks that grew, lines that are new, the rule.
+
+        ``plan``: the list, ``pattern``: the corners ahead, each of shape (n, 2) [m].
+        """
         markers: list[Marker] = []
         for name, motion in (("helicopter", helicopter), ("uav", uav)):
             self._tracks[name].add(motion)
             markers += self._tracks[name].news(time_s)
-        if plan is not self._plan:
-            self._plan = plan
-            points = [Point(x=x, y=y) for x, y in (() if plan is None else plan.tolist())]
-            markers.append(_marker(0, "plan", Marker.LINE_STRIP, time_s, points=points))
+        for name, line in (("plan", plan), ("pattern", pattern)):
+            if line is not self._lines.get(name):
+                self._lines[name] = line
+                points = [Point(x=x, y=y) for x, y in (() if line is None else line.tolist())]
+                markers.append(_marker(0, name, Marker.LINE_STRIP, time_s, points=points))
         rule = _marker(0, "rule", Marker.TEXT_VIEW_FACING, time_s, points=[])
         rule.scale.z = 40.0
         rule.text = text
@@ -97,7 +104,7 @@ def _marker(number: int, name: str, kind: int, time_s: float, *, points: list[Po
     marker.header.frame_id = FRAME
     marker.header.stamp = to_stamp(time_s)
     marker.pose.orientation.w = 1.0
-    marker.scale.x = 4.0
+    marker.scale.x = PATTERN_WIDTH_M if name == "pattern" else WIDTH_M
     r, g, b, a = COLOURS[name]
     marker.color = ColorRGBA(r=r, g=g, b=b, a=a)
     return marker

@@ -42,16 +42,17 @@ class ShownPlanner(PlannerComponent):
         self._markers = Markers()
 
     def report(self, now_s: float) -> Outputs:
-        """Tell the mode and the lag, and show them."""
-        planner, lag = self.planner, self.planner.lag_m()
+        """Tell what is told once a second, and show it."""
+        told, planner, lag = super().report(now_s), self.planner, self.planner.lag_m()
         message = self._markers.message(
             now_s,
             helicopter=planner.situation.helicopter,
             uav=planner.situation.uav,
             plan=None if planner.list is None else planner.list.points,
+            pattern=self.pattern,
             text=planner.rule if lag is None else f"{planner.rule}  L = {lag:.0f} m",
         )
-        return [*super().report(now_s), (topics.MARKERS, message)]
+        return [*told, (topics.MARKERS, message)]
 
 
 @dataclass(frozen=True, config=CHECKED)

@@ -49,6 +49,7 @@ def formation():
         status=UavStatus("AUTO", armed=True, connected=True, tracking_list=True),
         monitor=MonitorReport(thresholds={"min_separation_m": 200.0}),
         wind_mps=(3.0, -4.0),
+        pattern=np.array([[3400.0, 0.0], [3400.0, -900.0], [2000.0, -900.0]]),
         marks=(Mark(1, 90.0, 2500.0, 400.0),),
         parameters={
             "FS_GCS_ENABL": 1.0,

@@ -54,6 +54,7 @@ def test_everything_is_drawn(well, corner):
     root = drawn(snapshot)
     assert {"swath helicopter", "swath uav", "track helicopter", "track uav"} <= kinds(root)
     assert {
+        "pattern",
         "plan",
         "plandot",
         "doubt",
@@ -176,3 +177,14 @@ def test_the_middle_is_between_the_aircraft(well):
     assert centre_of(replace(well, uav=None)) == pytest.approx((3000.0, 0.0))
     assert centre_of(Snapshot()) == (0.0, 0.0)
     assert math.isfinite(View().scale)
+
+
+def test_the_pattern_leads_on_from_the_helicopter(well):
+    view = View(centre_m=centre_of(well))
+    (line,) = [one for one in drawn(well, view).iter() if one.get("class") == "pattern"]
+    points = [tuple(map(float, pair.split(","))) for pair in line.get("points").split()]
+    wanted = view.to_px(np.vstack(((3000.0, 0.0), well.pattern)))
+    assert points[0] == pytest.approx(wanted[0], abs=0.5)
+    assert points[-1] == pytest.approx(wanted[-1], abs=0.5)
+    for less in (replace(well, pattern=well.pattern[:0]), replace(well, helicopter=None)):
+        assert "pattern" not in kinds(drawn(less))

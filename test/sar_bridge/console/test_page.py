@@ -169,6 +169,17 @@ def test_tiles_lie_under_the_map_and_are_for_this_page_alone(desk, page):
     assert refused.value.code == 403
 
 
+def test_the_pattern_looks_otherwise_than_the_list(page):
+    style = (
+        "one => (({strokeDasharray, strokeWidth}) => [strokeDasharray, parseFloat(strokeWidth)])"
+    )
+    style += "(getComputedStyle(one))"
+    pattern = page.locator("svg .pattern").first.evaluate(style)
+    plan = page.locator("svg .plan").first.evaluate(style)
+    assert pattern[0] not in ("none", plan[0])
+    assert pattern[1] < plan[1]
+
+
 def test_every_button_asks_for_what_it_says(desk, page):
     page.get_by_role("button", name="engage", exact=True).tap()
     for name in ("return home", "mark", "orbit", "resume"):

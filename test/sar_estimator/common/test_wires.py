@@ -84,6 +84,7 @@ VALUES = {
     topics.TARGET: Target(12.5, 300.0, -40.0),
     topics.MARKS: (Mark(1, 11.5, 300.0, -40.0), Mark(2, 12.5, -7.0, 1.0)),
     topics.CORNER_PATH: WaypointList(12_500_000_001, 12.5, POINTS),
+    topics.PATTERN: POINTS,
     topics.MISSION: {"corner": {"spacing_m": "250.0"}, "mission": {"speed_range": ["0.5", "2"]}},
     topics.MONITOR: MonitorReport("caution", "near", 7, thresholds={"a": 1.0}, counts={"b": 2}),
 }

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_planner.patterns.legs import PatternTerms, legs_of
+from sar_estimator.common.pose import Pose
+from sar_planner.patterns.legs import PatternTerms, ends_of, legs_of
 
 
 def stops(legs):
@@ -83,3 +84,12 @@ def test_of_no_pattern_only_the_side_is_known():
     assert terms.turns_one_way
     with pytest.raises(ValueError, match="pattern none"):
         legs_of("none", leg_m=2000.0, spacing_m=500.0, corners=4, side=1)
+
+
+def test_where_legs_end_is_drawn_from_where_the_first_begins():
+    legs = legs_of("sector", leg_m=3000.0, spacing_m=500.0, corners=6, side=1)
+    found = ends_of(legs, Pose(0.0, 0.0, 0.5 * math.pi))
+    assert found == pytest.approx(stops(legs), abs=1e-6)
+    moved = ends_of(legs[:1], Pose(100.0, 50.0, 0.0))
+    assert moved == pytest.approx(np.array([[3100.0, 50.0]]))
+    assert ends_of([], Pose(0.0, 0.0, 0.0)).shape == (0, 2)

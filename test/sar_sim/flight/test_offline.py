@@ -159,7 +159,7 @@ def test_bag_is_standard_and_holds_the_graphs_topics(flown):
         "/datum", "/diagnostics", "/helicopter/accel", "/helicopter/corner", "/helicopter/fix",
         "/helicopter/leg", "/helicopter/odometry", "/helicopter/phase", "/helicopter/prediction",
         "/monitor/state", "/planner/corner", "/planner/lag", "/planner/mission", "/planner/mode",
-        "/planner/path",
+        "/planner/path", "/planner/pattern",
         "/sim/corner", "/sim/helicopter", "/sim/scenario", "/sim/uav", "/uav/cleared", "/uav/state",
         "/uav/uploaded", "/uav/wind",
         "/uav/odometry", "/uav/waypoints",

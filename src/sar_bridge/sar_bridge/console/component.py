@@ -177,5 +177,6 @@ KEPT = {
     topics.WIND: "wind_mps",
     topics.AUTOPILOT: "parameters",
     topics.MARKS: "marks",
+    topics.PATTERN: "pattern",
 }
 """What is kept as it is told, by topic: the field of the snapshot."""

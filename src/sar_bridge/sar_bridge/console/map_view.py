@@ -1,4 +1,4 @@
-"""The moving map as SVG: both tracks and swaths, what was left out, plans, rings. Pure."""
+"""The moving map as SVG: tracks, swaths, what was left out, pattern, plans, rings. Pure."""
 
 from __future__ import annotations
 
@@ -153,6 +153,7 @@ def picture(
         parts.append(_line(track, view, f"swath {name}", f'stroke-width="{width:.0f}"'))
     for name, track in tracks:
         parts.append(_line(track, view, f"track {name}"))
+    parts.append(_pattern(snapshot, view))
     for one, _ in uavs:
         parts += _plan(one, view)
     parts += _stop(snapshot, view)
@@ -244,6 +245,14 @@ def _text(kind: str, x: float, y: float, text: str) -> str:
 def _circle(centre: tuple[float, float], radius_m: float, view: View, kind: str) -> str:
     ((x, y),) = view.to_px(np.array([centre]))
     return f'<circle class="{kind}" cx="{x:.0f}" cy="{y:.0f}" r="{radius_m * view.scale:.0f}"/>'
+
+
+def _pattern(snapshot: Snapshot, view: View) -> str:
+    """Return what is expected still to be flown of the pattern, from the helicopter on."""
+    if snapshot.helicopter is None or len(snapshot.pattern) == 0:
+        return ""
+    motion = snapshot.helicopter.motion
+    return _line(np.vstack(((motion.x_m, motion.y_m), snapshot.pattern)), view, "pattern")
 
 
 def _plan(snapshot: Snapshot, view: View) -> list[str]:

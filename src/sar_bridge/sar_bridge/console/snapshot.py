@@ -54,8 +54,9 @@ class Snapshot:
 
     ``callsign``: of the UAV, empty where there is one alone. ``tracks``: helicopter's and UAV's,
     each of shape (n, 2) [m]. ``trend``: times before now, and horizontal separations, shape (n, 2)
-    [s, m]. ``quiet``: the banner's text that was acknowledged. ``answers``: what was asked for
-    last, and what was answered.
+    [s, m]. ``pattern``: the corners that are still expected, the end of the leg being flown first,
+    shape (n, 2) [m]. ``quiet``: the banner's text that was acknowledged. ``answers``: what was
+    asked for last, and what was answered.
     """
 
     callsign: str = ""
@@ -83,6 +84,7 @@ class Snapshot:
     quiet: str = ""
     answers: tuple[str, ...] = ()
     marks: tuple[Mark, ...] = ()
+    pattern: FloatArray = field(default_factory=lambda: EMPTY)
     is_playback: bool = False
 
     @property

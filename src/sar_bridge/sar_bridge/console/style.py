@@ -83,6 +83,7 @@ svg .track.uav { stroke: var(--uav); }
 svg .track.other { stroke-opacity: 0.6; } svg .swath.other { stroke-opacity: 0.14; }
 svg .gap { fill: var(--gap); fill-opacity: 0.55; }
 svg .plan { fill: none; stroke: var(--plan); stroke-width: 3; stroke-dasharray: 9 5; }
+svg .pattern { fill: none; stroke: var(--dim); stroke-width: 1.2; stroke-dasharray: 4 7; }
 svg .plandot { fill: var(--plan); }
 svg .escape { fill: none; stroke: var(--warning); stroke-width: 4; stroke-dasharray: 4 4; }
 svg .escapedot { fill: var(--warning); }

@@ -416,6 +416,14 @@ WIRES: dict[str, Wire] = {
         _list,
         _same,
     ),
+    topics.PATTERN: Wire(
+        "the corners of the pattern that are still expected, the end of the leg being flown first",
+        Path,
+        LATCHED,
+        conversions.points_to_path,
+        conversions.path_to_points,
+        _same,
+    ),
     topics.MISSION: Wire(
         "the parameters that are flown with",
         DiagnosticStatus,
@@ -441,7 +449,7 @@ WIRES: dict[str, Wire] = {
         _same,
     ),
     topics.MARKERS: Wire(
-        "tracks, list and rule for RViz and Foxglove",
+        "tracks, list, pattern and rule for RViz and Foxglove",
         MarkerArray,
         RELIABLE,
         lambda markers, _: markers,

@@ -8,9 +8,14 @@ flies them: lengths and turns are what is expected, never what is certain.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Literal, NamedTuple
 
+import numpy as np
+
 from sar_estimator.common.checked import Side
+from sar_estimator.common.pose import Pose
+from sar_estimator.common.states import FloatArray
 
 PatternKind = Literal[
     "expanding_square",
@@ -124,3 +129,13 @@ def legs_of(
     if kind == "sector":  # back to the datum
         last = leg_m
     return [*legs, Leg(last if last_m is None else last_m, 0.0)]
+
+
+def ends_of(legs: Iterable[Leg], begun: Pose) -> FloatArray:
+    """Return where each leg ends when the first begins at a pose, shape (n, 2) [m]."""
+    at, found = begun, []
+    for length_m, turn_rad in legs:
+        at = at.offset(length_m)
+        found.append(at[:2])
+        at = at._replace(heading_rad=at.heading_rad + turn_rad)
+    return np.array(found, dtype=np.float64).reshape(-1, 2)

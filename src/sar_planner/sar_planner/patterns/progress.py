@@ -8,11 +8,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from sar_estimator.common.pose import wrap_angle
+from sar_estimator.common.pose import Pose, wrap_angle
 from sar_planner.patterns.legs import PatternTerms
 from sar_planner.patterns.slot import INSIDE, Slot
 
 TURNED_RAD = math.radians(45.0)
+LEAST_CROSSING = 0.3
+"""The sine of the angle at which two lines must cross, for their crossing to be believed."""
 
 
 class Expectation(NamedTuple):
@@ -38,49 +40,77 @@ def places_of(terms: PatternTerms, first: int, count: int, slot: Slot = INSIDE) 
     return [slot.across_on(terms, leg) for leg in range(first, first + count)]
 
 
+def begin_of(foot: Pose, left: Pose) -> Pose:
+    """Return where a leg began: where its line crosses that of the leg that was left.
+
+    Each is given by a foot on it. Where they hardly cross, it is abeam the foot on the one left.
+    """
+    sine = math.sin(foot.heading_rad - left.heading_rad)
+    across_m = foot.across(left.x_m, left.y_m)
+    corner = left.offset(across_m / sine if abs(sine) > LEAST_CROSSING else 0.0)
+    return foot.offset(foot.along(corner.x_m, corner.y_m))
+
+
 class Progress:
-    """Counts the legs that were flown. ``leg``: the one being flown, from 0. ``slot``: kept."""
+    """Counts the legs that were flown.
+
+    ``terms``: of the pattern. ``leg``: the one being flown, from 0. ``slot``: kept.
+    """
 
     def __init__(self, terms: PatternTerms, slot: Slot = INSIDE) -> None:
         """Begin on the first."""
-        self._terms = terms
+        self.terms = terms
         self.slot = slot
         self.leg = 0
-        self._heading_rad: float | None = None
+        self._foot: Pose | None = None
+        self._left: Pose | None = None
 
-    def fly(self, heading_rad: float) -> None:
-        """Take the heading of the leg being flown [rad]: another one is the next."""
-        before, self._heading_rad = self._heading_rad, heading_rad
-        if before is not None and self._is_other(heading_rad, before):
+    def fly(self, foot: Pose) -> None:
+        """Take the helicopter's foot on the leg being flown: with another heading it is the next.
+
+        Of the first, where it was seen first is where it began.
+        """
+        before, self._foot = self._foot, foot
+        if before is None:
+            self._left = foot
+        elif self._is_other(foot.heading_rad, before.heading_rad):
+            self._left = before
             self.leg += 1
+
+    @property
+    def begun(self) -> Pose | None:
+        """Where the leg being flown began, with its heading as it is flown; None before any."""
+        if self._foot is None or self._left is None:
+            return None
+        return begin_of(self._foot, self._left)
 
     @property
     def stays_inside(self) -> bool:
         """Whether the slot is inside of every turn of the pattern, on the same side."""
-        return self._terms.turns_one_way and self.slot.side == "inside"
+        return self.terms.turns_one_way and self.slot.side == "inside"
 
     @property
     def here(self) -> Expectation:
         """What is expected of the leg being flown."""
-        return expectation(self._terms, self.leg)
+        return expectation(self.terms, self.leg)
 
     @property
     def next(self) -> Expectation:
         """What is expected of the leg after it."""
-        return expectation(self._terms, self.leg + 1)
+        return expectation(self.terms, self.leg + 1)
 
     def leg_on(self, heading_rad: float) -> int:
         """Return the leg (from 0) that has a heading [rad]: this one, or the one to come."""
-        now = self._heading_rad
-        return self.leg + (now is not None and self._is_other(heading_rad, now))
+        now = self._foot
+        return self.leg + (now is not None and self._is_other(heading_rad, now.heading_rad))
 
     def across(self, heading_rad: float) -> float:
         """Return where the slot is on a leg of a heading [rad]; see ``Slot.across_on``."""
-        return self.slot.across_on(self._terms, self.leg_on(heading_rad))
+        return self.slot.across_on(self.terms, self.leg_on(heading_rad))
 
     def is_cross_leg(self, heading_rad: float) -> bool:
         """Whether a leg of a heading [rad] leads from one search leg to the next."""
-        return self._terms.is_cross_leg(self.leg_on(heading_rad))
+        return self.terms.is_cross_leg(self.leg_on(heading_rad))
 
     @staticmethod
     def _is_other(one_rad: float, other_rad: float) -> bool:

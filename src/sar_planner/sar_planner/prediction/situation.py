@@ -8,10 +8,11 @@ import numpy as np
 
 from sar_estimator.common.other_uavs import OtherUav, OtherUavs
 from sar_estimator.common.pose import Pose, wrap_angle
-from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
+from sar_estimator.common.states import CornerEstimate, FloatArray, LegEstimate, Motion, Phase
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.paths.flight_path import CornerFrame
+from sar_planner.patterns.ahead import corners_ahead
 from sar_planner.patterns.legs import SQUARE, PatternTerms, inside_of
 from sar_planner.patterns.progress import Progress
 from sar_planner.patterns.slot import INSIDE, Slot
@@ -77,7 +78,7 @@ class Situation:
         """Take the leg being flown; the first one after a corner tells what the corner cost."""
         if math.isfinite(leg.foot.x_m + leg.foot.y_m + leg.foot.heading_rad):
             self.leg = leg
-            self.progress.fly(leg.foot.heading_rad)
+            self.progress.fly(leg.foot)
             self.strays_m = leg.position_sigma_m
             if self._told is not None and not self.went_on:
                 self._cost = self._cost.learnt(self.corners_seen, self._told, leg)
@@ -183,6 +184,24 @@ class Situation:
     def slot(self) -> Pose | None:
         """The slot track of the newest leg, abeam the helicopter's foot on it."""
         return None if self.leg is None else self.slot_of(self.leg.foot)
+
+    @property
+    def pattern_ahead(self) -> FloatArray:
+        """The corners of the pattern that are still expected, shape (n, 2) [m]; none where unknown.
+
+        The first is where the leg being flown ends. See ``corners_ahead``.
+        """
+        begun, leg, corner = self.progress.begun, self.leg, self.estimate
+        if begun is None or leg is None:
+            return np.empty((0, 2))
+        is_ahead = corner is not None and not self.went_on and leg.time_s <= corner.stop_time_s
+        return corners_ahead(
+            self.progress.terms,
+            self.progress.leg,
+            begun,
+            flown_m=begun.along(*leg.foot[:2]),
+            stop_m=begun.along(*corner.stop[:2]) if is_ahead and corner is not None else None,
+        )
 
     def margin_m(self, mission: MissionParameters) -> float:
         """Return what is planned beyond the least separation [m]: more behind one who wanders."""

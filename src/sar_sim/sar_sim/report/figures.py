@@ -24,6 +24,7 @@ from sar_sim.report.flight_data import FlightData
 from sar_sim.scenario.scenario import Sensor
 
 HELICOPTER, UAV, PLAN, GAP = "#c1440e", "#0b5394", "#2a9d8f", "#d62828"
+ORDERED = "#777777"
 UAVS = (UAV, "#6a3d9a", "#b8860b", "#00796b")
 CUT_CORNERS = ("T1", "D1")
 RULE_MARKERS = {
@@ -72,7 +73,7 @@ def _axes(figure: Figure, title: str) -> Axes:
 
 
 def draw_map(flights: Sequence[FlightData], area: Coverage | None, out: Path) -> None:
-    """Draw all tracks, the corners, the swaths and the gaps (the paper's fig. 9).
+    """Draw all tracks, corners, swaths, gaps and the pattern ordered (the paper's fig. 9).
 
     ``flights``: of every UAV behind one helicopter.
     """
@@ -80,6 +81,8 @@ def draw_map(flights: Sequence[FlightData], area: Coverage | None, out: Path) ->
     figure = Figure(figsize=(9, 9), layout="constrained")
     title = "Aircraft paths" if area is None else f"Aircraft paths, coverage {area.percent:.2f} %"
     axes = _axes(figure, title)
+    if len(data.ordered_m):
+        axes.plot(*data.ordered_m.T, "--", color=ORDERED, lw=0.9, zorder=1, label="pattern ordered")
     radius = read(Sensor, data.scenario.get("sensor", {}), "sensor", texts=True)
     uavs = [(one.uav, UAVS[i % len(UAVS)], one.name or "UAV") for i, one in enumerate(flights)]
     for track, colour, name in ((data.helicopter, HELICOPTER, "helicopter"), *uavs):

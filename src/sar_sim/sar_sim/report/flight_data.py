@@ -10,6 +10,7 @@ import numpy as np
 
 from sar_estimator.bags.bag import read_messages, topics_in
 from sar_estimator.common import topics
+from sar_estimator.common.checked import read
 from sar_estimator.common.conversions import (
     list_id_of,
     odometry_to_motion,
@@ -17,8 +18,10 @@ from sar_estimator.common.conversions import (
     to_yaw,
 )
 from sar_estimator.common.reports import CornerRecord, MonitorReport
+from sar_planner.patterns.legs import ends_of
 from sar_sim.report.coverage import FloatArray
-from sar_sim.world.helicopter import CornerTruth
+from sar_sim.scenario.scenario import Pattern
+from sar_sim.world.helicopter import CornerTruth, flown_legs
 from sar_sim.world.wires import ALL_WIRES
 
 ODOMETRY = {
@@ -104,6 +107,18 @@ class FlightData:
     monitor: MonitorReport
     simulated: bool
     name: str = ""
+
+    @property
+    def ordered_m(self) -> FloatArray:
+        """The pattern that a simulated helicopter was ordered to fly, shape (n, 2) [m].
+
+        Its start, corners and end; no points behind any other helicopter. Raises ``ValueError`` for
+        a pattern of another version.
+        """
+        if not self.simulated or "pattern" not in self.scenario:
+            return NOWHERE
+        pattern = read(Pattern, self.scenario["pattern"], "pattern", texts=True)
+        return np.vstack((pattern.start[:2], ends_of(flown_legs(pattern), pattern.start)))
 
 
 class _Told:

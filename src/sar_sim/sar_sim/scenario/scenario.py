@@ -21,7 +21,7 @@ from sar_estimator.common.checked import (
     read,
 )
 from sar_estimator.common.geodesy import Datum
-from sar_estimator.common.pose import blown_mps
+from sar_estimator.common.pose import Pose, blown_mps
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.patterns.legs import CORNERS, PatternKind, PatternTerms
 from sar_sim.scenario.formation import Member, fault_of
@@ -86,6 +86,12 @@ class Pattern:
     start_east_m: float = 0.0
     start_north_m: float = 0.0
     kind: PatternKind = "expanding_square"
+
+    @property
+    def start(self) -> Pose:
+        """Where its first leg begins, and leads to."""
+        heading_rad = math.radians(90.0 - self.heading_deg)
+        return Pose(self.start_east_m, self.start_north_m, heading_rad)
 
     @property
     def terms(self) -> PatternTerms:

@@ -123,11 +123,7 @@ class PatternHelicopter:
         rng = np.random.default_rng(pilot.seed)
         self.corners: list[CornerTruth] = []
         self._stretches: list[_Stretch] = []
-        self._end = Pose(
-            pattern.start_east_m,
-            pattern.start_north_m,
-            math.radians(90.0 - pattern.heading_deg),
-        )
+        self._end = pattern.start
         self.start = self._end
         self.end_s = 0.0
         entry_accel = accel_mps2

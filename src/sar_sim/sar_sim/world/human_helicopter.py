@@ -220,9 +220,7 @@ class HumanHelicopter:
         self._parts: list[_Series] = []
         self._courses: list[float] = []
         self._count = 0
-        self.start = Pose(
-            pattern.start_east_m, pattern.start_north_m, math.radians(90.0 - pattern.heading_deg)
-        )
+        self.start = pattern.start
         marks = self._fly(flown_legs(pattern))
         self._lay(marks)
 
