@@ -80,6 +80,14 @@ def test_a_crew_leads_each_of_two_by_one_page_and_gives_one_another_slot(launch,
     code, said = operator(flight, "--uav", "uav2", "slot", "inside", "9")
     assert code == 1
     assert "9" in said
+    page.wait_for_selector("svg .pattern")
+    page.get_by_role("button", name="slot uav2", exact=True).click()
+    page.get_by_role("button", name="1", exact=True).click()
+    page.get_by_role("button", name="take outside 1").click()
+    page.wait_for_selector("text=uav2 slot: outside 1")
+    page.wait_for_function(
+        "document.querySelectorAll('.uavrow .slot .value')[1].textContent == 'outside'"
+    )
     assert operator(flight, "--uav", "uav1", "disengage") == (0, "disengage: disengaged\n")
     page.wait_for_selector(".uavrow >> text=idle")
     code, said = operator(flight, "--uav", "uav3", "--timeout", "2", "engage")

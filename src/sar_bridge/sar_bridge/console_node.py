@@ -22,7 +22,6 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
-from std_srvs.srv import Trigger
 
 from sar_bridge.console.access import Access
 from sar_bridge.console.fleet import Fleet, uavs_in
@@ -32,7 +31,8 @@ from sar_bridge.console.page import Desk, Page
 from sar_bridge.console.playback import PlaybackDesk, Told
 from sar_bridge.console.snapshot import Snapshot
 from sar_bridge.console.tiles import URL, Tiles
-from sar_bridge.services import SERVICES
+from sar_bridge.requests import Request, slot, trigger
+from sar_bridge.services import SERVICES, SIDES, SLOT, TRACKS
 from sar_estimator.bags.bag import BAG_ERRORS, read_messages, topics_in
 from sar_estimator.common import topics
 from sar_estimator.common.checked import CHECKED, Positive, Side
@@ -88,10 +88,10 @@ class ConsoleNode(ComponentNode):
         self.parameters: ConsoleParameters
         self.fleet: Fleet
         super().__init__("console", self._make)
-        self._clients_by_name = {
-            (uav, name): self.create_client(Trigger, topics.name_of(topics.of_uav(service, uav)))
+        self._clients_by_service = {
+            one.service: self.create_client(one.kind, topics.name_of(one.service))
             for uav in self.parameters.uavs
-            for name, service in SERVICES.items()
+            for one in (*(trigger(name, uav) for name in SERVICES), slot(uav, SIDES[0], TRACKS[0]))
         }
 
     def _make(self, node: Node) -> Fleet:
@@ -120,13 +120,19 @@ class ConsoleNode(ComponentNode):
 
     def ask(self, action: str, uav: str) -> None:
         """Ask a UAV's service; its answer is shown word for word."""
-        client = self._clients_by_name[uav, action]
-        name = f"{uav} {action.replace('_', ' ')}".lstrip()
+        self._send(f"{uav} {action.replace('_', ' ')}", trigger(action, uav))
+
+    def give_slot(self, side: str, tracks: int, uav: str) -> None:
+        """Ask a UAV's planner to take another slot; its answer is shown word for word."""
+        self._send(f"{uav} {SLOT}", slot(uav, side, tracks))
+
+    def _send(self, what: str, request: Request) -> None:
+        client, name = self._clients_by_service[request.service], what.lstrip()
         if not client.service_is_ready():
             self._answered(f"{name}: nobody answers")
             return
-        client.call_async(Trigger.Request()).add_done_callback(
-            lambda done: self._answered(f"{name}: {done.result().message}")
+        client.call_async(request.asked).add_done_callback(
+            lambda done: self._answered(f"{name}: {request.said(done.result())[1]}")
         )
 
     def _answered(self, text: str) -> None:
@@ -186,6 +192,7 @@ def _fly(node: ConsoleNode) -> None:
         node.ask,
         node.acknowledge,
         node.mark,
+        node.give_slot,
         Search(own.swath_m, own.spacing_m, own.turn_side),
         own.folder,
     )

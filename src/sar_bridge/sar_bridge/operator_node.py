@@ -4,57 +4,17 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
-from typing import Any
 
 import rclpy
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.utilities import remove_ros_args
-from std_srvs.srv import Trigger
 
-from sar_bridge.services import SERVICES
+from sar_bridge.requests import Request, setting, slot, trigger
+from sar_bridge.services import SERVICES, SIDES, SLOT
 from sar_estimator.common import topics
 from sar_estimator.common.completion import add_completion
 from sar_estimator.common.node_support import start_ros
 
-SLOT, LEG = "slot", "leg"
-SIDES = ("inside", "outside", "right", "left")
-
-
-class Request:
-    """A service, what it is asked, and what its answer says: whether it was done, and a text."""
-
-    def __init__(
-        self, kind: Any, service: str, asked: Any, said: Callable[[Any], tuple[bool, str]]
-    ) -> None:
-        """Ask nothing yet."""
-        self.kind, self.service, self.asked, self.said = kind, service, asked, said
-
-
-def trigger(action: str, uav: str) -> Request:
-    """Return a request of one of the services by name."""
-    service = topics.of_uav(SERVICES[action], uav)
-    return Request(Trigger, service, Trigger.Request(), lambda it: (it.success, it.message))
-
-
-def setting(uav: str, **values: str | int) -> Request:
-    """Return a request that a planner takes parameters, all of them or none."""
-    given = [Parameter(name=name, value=_value(value)) for name, value in values.items()]
-    service = topics.of_uav(topics.SET_PARAMETERS, uav)
-    taken = " ".join(str(value) for value in values.values())
-    return Request(
-        SetParametersAtomically,
-        service,
-        SetParametersAtomically.Request(parameters=given),
-        lambda it: (it.result.successful, it.result.reason or taken),
-    )
-
-
-def _value(value: str | int) -> ParameterValue:
-    if isinstance(value, str):
-        return ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=value)
-    return ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=value)
+LEG = "leg"
 
 
 def request_of(args: argparse.Namespace) -> Request:
@@ -64,7 +24,7 @@ def request_of(args: argparse.Namespace) -> Request:
         if not words or words[0] not in SIDES or len(words) > 2:
             raise ValueError(f"slot: expected a side of {', '.join(SIDES)}, and tracks")
         tracks = _number(words[1], "slot") if len(words) > 1 else 1
-        return setting(args.uav, slot_side=words[0], slot_tracks=tracks)
+        return slot(args.uav, words[0], tracks)
     if args.action == LEG:
         if len(words) != 1:
             raise ValueError("leg: expected its number, from 1")

@@ -1,4 +1,4 @@
-"""What an operator may ask of the graph, by name: one table for the command and the page."""
+"""What an operator may ask of the graph, by name: the same for the command and the page."""
 
 from __future__ import annotations
 
@@ -12,3 +12,7 @@ SERVICES = {
     "orbit": topics.ORBIT,
     "resume": topics.RESUME,
 }
+SLOT = "slot"
+SIDES = ("inside", "outside", "right", "left")
+TRACKS = (1, 2, 3)
+"""The slots that a UAV may be given: on a side of the helicopter, so many tracks away."""

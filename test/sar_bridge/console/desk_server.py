@@ -54,9 +54,13 @@ def beside(snapshot, n):
     """Return the n-th UAV's: from the second on on the other side of the helicopter."""
     if n == 0:
         return snapshot
+    planner = snapshot.nodes["planner"]
+    health = replace(planner.health, values={**planner.health.values, "slot": "outside 2"})
+    nodes = {**snapshot.nodes, "planner": replace(planner, health=health)}
     motion = snapshot.uav.motion
     there = snapshot.uav._replace(motion=motion._replace(y_m=n * 250.0))
     helicopter, uav = snapshot.tracks
+    snapshot = replace(snapshot, nodes=nodes)
     return replace(snapshot, uav=there, tracks=(helicopter, uav + np.array([0.0, 250.0 * (n + 1)])))
 
 
@@ -83,6 +87,9 @@ class Desk:
 
     def mark(self, x_m, y_m):
         self.write(["mark", round(x_m), round(y_m)])
+
+    def give_slot(self, side, tracks, uav):
+        self.write(["slot", side, tracks, uav])
 
     def write(self, what):
         with (FOLDER / "asked").open("a", encoding="utf-8") as file:

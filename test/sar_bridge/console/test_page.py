@@ -409,3 +409,29 @@ def test_what_is_asked_for_is_asked_of_the_uav_that_is_chosen(desk_of_two, page_
     page.mouse.up()
     wanted = [["engage", "uav1"], ["return_home", "uav2"], ["disengage", "uav2"]]
     await_true(lambda: asked(desk_of_two) == wanted)
+
+
+def test_a_uav_is_given_another_slot_once_that_is_confirmed(desk, page):
+    page.get_by_role("button", name="slot", exact=True).click()
+    page.get_by_text("Another slot for the UAV").wait_for(timeout=WAIT_MS)
+    page.get_by_role("button", name="outside", exact=True).click()
+    page.get_by_role("button", name="take outside 1").wait_for(timeout=WAIT_MS)
+    page.get_by_role("button", name="cancel").click()
+    page.wait_for_timeout(500)
+    assert asked(desk) == []
+    page.get_by_role("button", name="slot", exact=True).tap()
+    page.get_by_role("button", name="take inside 1").wait_for(timeout=WAIT_MS)  # as it is now
+    page.get_by_role("button", name="left", exact=True).tap()
+    page.get_by_role("button", name="3", exact=True).tap()
+    page.get_by_role("button", name="take left 3").tap()
+    await_true(lambda: asked(desk) == [["slot", "left", 3, ""]])
+
+
+def test_another_slot_is_for_the_uav_that_is_chosen(desk_of_two, page_of_two):
+    page = page_of_two
+    page.get_by_role("button", name="uav2", exact=True).click()
+    page.get_by_role("button", name="slot uav2", exact=True).click()
+    page.get_by_text("now: outside 2").wait_for(timeout=WAIT_MS)
+    page.get_by_role("button", name="1", exact=True).click()
+    page.get_by_role("button", name="take outside 1").click()
+    await_true(lambda: asked(desk_of_two) == [["slot", "outside", 1, "uav2"]])

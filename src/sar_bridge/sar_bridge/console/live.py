@@ -27,12 +27,13 @@ class LiveDesk:
         ask: Callable[[str, str], None],
         acknowledge: Callable[[], None],
         mark: Callable[[float, float], None],
+        give_slot: Callable[[str, int, str], None],
         search: Search,
         folder: str,
     ) -> None:
         """Show what ``snapshots`` gives, by UAV; ``folder``: on the recorder's disk."""
         self._snapshots, self._ask, self._acknowledge = snapshots, ask, acknowledge
-        self._mark = mark
+        self._mark, self._give_slot = mark, give_slot
         self.search = search
         self._folder = folder
         self._free: tuple[float, float] = (0.0, -1e9)
@@ -59,6 +60,10 @@ class LiveDesk:
     def mark(self, x_m: float, y_m: float) -> None:
         """Mark a place of the map [m]."""
         self._mark(x_m, y_m)
+
+    def give_slot(self, side: str, tracks: int, uav: str) -> None:
+        """Ask for another slot for a UAV."""
+        self._give_slot(side, tracks, uav)
 
     def span_s(self) -> tuple[float, float] | None:
         """Only now can be shown."""

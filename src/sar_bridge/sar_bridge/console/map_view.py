@@ -12,7 +12,7 @@ import shapely
 import shapely.ops
 from shapely.geometry.base import BaseGeometry
 
-from sar_bridge.console.snapshot import STALE_S, Snapshot
+from sar_bridge.console.snapshot import STALE_S, Snapshot, slot_words
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import FloatArray
@@ -96,10 +96,9 @@ class Search:
 
         ``outside``, ``left 2``: two tracks to the left.
         """
-        side, _, tracks = slot.partition(" ")
+        side, tracks = slot_words(slot)
         other = -self.turn_side if side == "outside" else self.turn_side
-        count = int(tracks) if tracks.isdecimal() else 1
-        return SIDES.get(side, other) * count * self.spacing_m
+        return SIDES.get(side, other) * tracks * self.spacing_m
 
 
 def left_out(

@@ -19,10 +19,11 @@ from sar_bridge.console.lights import lights
 from sar_bridge.console.map_panel import MapPanel, button
 from sar_bridge.console.map_view import Search, trend
 from sar_bridge.console.rows import Row, row
+from sar_bridge.console.slot_panel import SlotPanel
 from sar_bridge.console.snapshot import Snapshot
 from sar_bridge.console.style import CSS, SCRIPT
 from sar_bridge.console.tiles import Tiles
-from sar_bridge.services import SERVICES
+from sar_bridge.services import SERVICES, SLOT
 
 UPDATE_S = 0.5
 HOLD_S = 1.0
@@ -59,6 +60,10 @@ class Desk(Protocol):
         """Mark a place of the map [m]."""
         ...
 
+    def give_slot(self, side: str, tracks: int, uav: str) -> None:
+        """Ask for another slot for a UAV; what is answered is in a later snapshot."""
+        ...
+
     def span_s(self) -> tuple[float, float] | None:
         """Return when what can be shown begins and ends [s]; None where only now can be."""
         ...
@@ -91,6 +96,7 @@ class Page:
             self._build_side()
             self._build_buttons()
         self._build_checklist()
+        self._slot = SlotPanel(desk.give_slot)
         self._choose(self._chosen)
         ui.timer(UPDATE_S, self.update)
 
@@ -159,8 +165,10 @@ class Page:
                     self._build_held(action)
                 else:
                     self._asking[action] = button(action, self._asker(action))
-            button("acknowledge", self._acknowledge)
             span = self._desk.span_s()
+            if span is None:
+                self._asking[SLOT] = button(SLOT, self._open_slot)
+            button("acknowledge", self._acknowledge)
             if span is not None:
                 begin, end = span
                 self._slider = ui.slider(min=begin, max=end, value=begin, step=1.0)
@@ -204,7 +212,7 @@ class Page:
         self._held_s.clear()
         name = uav or ("UAV" if self._rows else "")
         for action, asking in self._asking.items():
-            whose = f" {name}" if name and action in SERVICES else ""
+            whose = f" {name}" if name and action in (*SERVICES, SLOT) else ""
             hold = " (hold 1 s)" if action == "disengage" else ""
             asking.set_text(action.replace("_", " ") + whose + hold)
         self._before.set_text(f"Before engaging {name}".rstrip())
@@ -212,6 +220,9 @@ class Page:
 
     def _open_checklist(self) -> None:
         self._dialog.open()
+
+    def _open_slot(self) -> None:
+        self._slot.open(self._desk.snapshots()[self._chosen])
 
     def _acknowledge(self) -> None:
         self._desk.acknowledge()

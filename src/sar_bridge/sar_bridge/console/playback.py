@@ -65,6 +65,9 @@ class PlaybackDesk:
     def mark(self, x_m: float, y_m: float) -> None:
         """Mark nothing: it is over."""
 
+    def give_slot(self, side: str, tracks: int, uav: str) -> None:
+        """Change nothing: it is over."""
+
     def span_s(self) -> tuple[float, float] | None:
         """Return when the flight begins and ends [s]."""
         return self._times[0], self._times[-1]

@@ -31,6 +31,12 @@ OWN = frozenset(LEADING[1:])
 EMPTY: FloatArray = np.empty((0, 2))
 
 
+def slot_words(slot: str) -> tuple[str, int]:
+    """Return a slot's side and tracks, as a planner names it: ``left``, ``right 2``."""
+    side, _, tracks = slot.partition(" ")
+    return side, int(tracks) if tracks.isdecimal() else 1
+
+
 @dataclass(frozen=True)
 class Told:
     """How a node was when it told so, and how long ago that is [s]."""

@@ -20,7 +20,7 @@ body { background: var(--back); color: var(--ink); font-family: system-ui, sans-
 .uavs { grid-area: uavs; display: flex; flex-direction: column; gap: 4px; min-width: 0; }
 .uavrow { display: grid; gap: 8px; align-items: center; padding: 2px 6px; border-radius: 6px;
   border-left: 8px solid var(--idle); min-width: 0;
-  grid-template-columns: 84px 70px 50px 56px 56px minmax(0, 1fr) 66px minmax(0, 1.2fr) 82px; }
+  grid-template-columns: 84px 82px 50px 56px 56px minmax(0, 1fr) 66px minmax(0, 1.2fr) 82px; }
 .uavrow.normal { border-color: var(--normal); } .uavrow.caution { border-color: var(--caution); }
 .uavrow.warning { border-color: var(--warning); } .uavrow.chosen { background: var(--back); }
 .uavrow .q-btn { min-height: 44px; text-transform: none; font-weight: 700;
@@ -69,6 +69,8 @@ svg .old { opacity: 0.35; }
 .answers { font-size: 14px; color: var(--dim); min-height: 20px; }
 .check { display: flex; gap: 10px; font-size: 16px; align-items: baseline; padding: 3px 0; }
 .check .why { color: var(--dim); font-size: 14px; }
+.slot .q-btn[aria-pressed="true"] { background: var(--ink); color: var(--panel); }
+.slot .q-btn { min-height: 48px; min-width: 64px; font-size: 15px; font-weight: 700; }
 .q-card { background: var(--panel); color: var(--ink); }
 .q-checkbox__label { font-size: 16px; }
 body.night svg .tile { filter: brightness(0.35); }
