@@ -22,7 +22,7 @@ def flight(scenario, *, simulated=True):
     tracks = [
         Track(times, north + np.array([across, 0.0]), np.zeros(60)) for across in (0.0, 250.0)
     ]
-    return FlightData(*tracks, {}, [], {}, told, MonitorReport(), simulated)
+    return FlightData(*tracks, {}, [], [], told, MonitorReport(), simulated)
 
 
 def test_the_pattern_that_was_ordered_begins_where_the_search_does():

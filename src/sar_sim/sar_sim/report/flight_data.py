@@ -93,16 +93,17 @@ class FlightData:
     """A UAV's flight. ``helicopter`` and ``uav`` are the true tracks where the bag has them.
 
     ``name``: the UAV's, empty for one alone. ``planned``: by corner number. ``corners``: the true
-    corners. ``mission``: the parameters that were flown with, ``scenario``: what was simulated,
-    empty for a real flight; both as texts by key, since they may be of another version.
-    ``monitor``: the monitor's last report.
+    corners. ``missions``: the parameters that were flown with, from when on [s], oldest first: they
+    are told again when the slot is changed. ``scenario``: what was simulated, empty for a real
+    flight; both as texts by key, since they may be of another version. ``monitor``: the monitor's
+    last report.
     """
 
     helicopter: Track
     uav: Track
     planned: dict[int, PlannedCorner]
     corners: list[CornerTruth]
-    mission: dict[str, Any]
+    missions: list[tuple[float, dict[str, Any]]]
     scenario: dict[str, Any]
     monitor: MonitorReport
     simulated: bool
@@ -129,8 +130,9 @@ class _Told:
         self.lists: dict[tuple[str, int], FloatArray] = {}
         self.records: dict[int, list[CornerRecord]] = {}
         self.values: dict[str, list[Any]] = {}
+        self.missions: list[tuple[float, dict[str, Any]]] = []
 
-    def take(self, topic: str, message: Any) -> None:
+    def take(self, topic: str, message: Any, time_s: float) -> None:
         if topic in ODOMETRY:
             motion = odometry_to_motion(message)
             yaw = to_yaw(message.pose.pose.orientation)
@@ -141,6 +143,8 @@ class _Told:
         elif topic == topics.CORNER_PLAN:
             record = ALL_WIRES[topic].from_message(message)
             self.records.setdefault(record.k, []).append(record)
+        elif topic == topics.MISSION:
+            self.missions.append((time_s, ALL_WIRES[topic].from_message(message)))
         else:
             self.values.setdefault(topic, []).append(ALL_WIRES[topic].from_message(message))
 
@@ -160,7 +164,7 @@ class _Told:
             uav=_track(self.samples, topics.TRUE_UAV, topics.UAV_ODOMETRY),
             planned=planned,
             corners=shared.values.get(topics.TRUE_CORNER, []),
-            mission=(self.values.get(topics.MISSION) or [{}])[-1],
+            missions=self.missions,
             scenario=(shared.values.get(topics.SCENARIO) or [{}])[-1],
             monitor=(self.values.get(topics.MONITOR) or [MonitorReport()])[-1],
             simulated=topics.TRUE_HELICOPTER in shared.samples,
@@ -176,12 +180,12 @@ def read_flights(bag: Path) -> list[FlightData]:
     shared = _Told()
     own: dict[str, _Told] = {}
     wanted = {name for name in topics_in(bag) if topics.plain(name) in WANTED}
-    for topic, _, message in read_messages(bag, wanted):
+    for topic, time_s, message in read_messages(bag, wanted):
         plain = topics.plain(topic)
         if plain in topics.OF_UAV:
-            own.setdefault(topics.uav_of(topic), _Told()).take(plain, message)
+            own.setdefault(topics.uav_of(topic), _Told()).take(plain, message, time_s)
         else:
-            shared.take(plain, message)
+            shared.take(plain, message, time_s)
     seen = sorted(name for name, told in own.items() if told.samples) or [""]
     return [own.get(name, _Told()).flight(shared, name) for name in seen]
 

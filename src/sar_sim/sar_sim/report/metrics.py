@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import combinations
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sar_estimator.common.checked import read
 from sar_estimator.common.pose import Pose
 from sar_planner.parameters.mission import MissionParameters
-from sar_planner.patterns.progress import places_of
 from sar_sim.report.coverage import Coverage, FloatArray, IdealSlot, ideal_tracks, measure
 from sar_sim.report.flight_data import FlightData, Track
 from sar_sim.scenario.scenario import Sensor
@@ -92,28 +92,53 @@ def coverage(flights: Sequence[FlightData]) -> Coverage | None:
     data = flights[0]
     if data.corners:
         stops = [corner.crossing_m for corner in data.corners]
+        left_s = [corner.stop_time_s for corner in data.corners]
     else:
-        stops = [item.last.stop[:2] for _, item in sorted(data.planned.items())]
+        last = [item.last for _, item in sorted(data.planned.items())]
+        stops, left_s = [one.stop[:2] for one in last], [one.stop_time_s for one in last]
     tracks = [one.uav.xy_m for one in flights if len(one.uav) > 1]
     if not stops or len(data.helicopter) < 2 or len(tracks) < len(flights):
         return None
     sensor = read(Sensor, data.scenario.get("sensor", {}), "sensor", texts=True)
     points = np.vstack((data.helicopter.xy_m[0], stops, data.helicopter.xy_m[-1]))
+    first_s, *_, last_s = data.helicopter.times_s
+    times_s = np.array([first_s, *left_s, last_s])
     return measure(
         data.helicopter.xy_m,
         tracks,
-        ideal_tracks(points, [_ideal_slot(one, len(points) - 1) for one in flights]),
+        ideal_tracks(points, [ideal_slot(one, times_s) for one in flights]),
         radius_m=sensor.radius_m,
         footprint=sensor.footprint,
     )
 
 
-def _ideal_slot(data: FlightData, legs: int) -> IdealSlot:
-    """Return where a UAV had its place on so many legs."""
-    flown = read(MissionParameters, data.mission["mission"], "mission", texts=True)
-    spacing_m = float(data.mission["corner"]["spacing_m"])
-    places = places_of(flown.terms, 0, legs, flown.slot)
-    return IdealSlot([spacing_m * place for place in places])
+class _Asked(NamedTuple):
+    """What a UAV was flown with for a time."""
+
+    mission: MissionParameters
+    spacing_m: float
+
+    @classmethod
+    def of(cls, record: dict[str, Any]) -> _Asked:
+        """Read what was recorded."""
+        mission = read(MissionParameters, record["mission"], "mission", texts=True)
+        return cls(mission, float(record["corner"]["spacing_m"]))
+
+
+def ideal_slot(data: FlightData, times_s: FloatArray) -> IdealSlot:
+    """Return where a UAV had its place on the legs between some times, shape (legs + 1,) [s].
+
+    On each leg it is the slot that was asked for half-way through it, or first of all. Raises
+    ``LookupError`` where none was told.
+    """
+    begun_s = [time_s for time_s, _ in data.missions]
+    missions = [_Asked.of(record) for _, record in data.missions]
+    middles = 0.5 * (times_s[1:] + times_s[:-1])
+    across = []
+    for leg, middle_s in enumerate(middles):
+        asked = missions[max(0, bisect_right(begun_s, middle_s) - 1)]
+        across.append(asked.spacing_m * asked.mission.slot.across_on(asked.mission.terms, leg))
+    return IdealSlot(across)
 
 
 def formation_metrics(flights: Sequence[FlightData], area: Coverage | None) -> dict[str, Any]:
