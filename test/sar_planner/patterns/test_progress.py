@@ -73,12 +73,15 @@ def test_lines_that_hardly_cross_are_left_abeam_of_where_the_last_was_seen():
     assert back == pytest.approx((900.0, 80.0, math.pi))
 
 
-def test_the_first_leg_began_where_it_was_seen_and_is_turned_as_it_is_flown():
+@pytest.mark.parametrize("seen", [True, False])
+def test_the_first_leg_began_where_the_helicopter_was_first_and_is_laid_as_it_is_flown(seen):
     progress = Progress(PARALLEL)
+    for x in (10.0, 90.0) if seen else ():
+        progress.see(x, 0.0)
     assert progress.begun is None
-    progress.fly(Pose(10.0, 0.0, 0.0))
+    progress.fly(Pose(180.0, 0.0, 0.02))
     progress.fly(Pose(500.0, 5.0, 0.0))
-    assert progress.begun == pytest.approx((10.0, 5.0, 0.0))
+    assert progress.begun == pytest.approx((10.0 if seen else 180.0, 5.0, 0.0))
     progress.fly(Pose(700.0, -300.0, -math.pi / 2))
     assert progress.leg == 1
     assert progress.begun == pytest.approx((700.0, 5.0, -math.pi / 2))

@@ -64,15 +64,17 @@ class Progress:
         self.leg = 0
         self._foot: Pose | None = None
         self._left: Pose | None = None
+        self._first_m: tuple[float, float] | None = None
+
+    def see(self, x_m: float, y_m: float) -> None:
+        """Take where the helicopter is [m]: where it was first, the first leg began."""
+        self._first_m = self._first_m or (x_m, y_m)
 
     def fly(self, foot: Pose) -> None:
-        """Take the helicopter's foot on the leg being flown: with another heading it is the next.
-
-        Of the first, where it was seen first is where it began.
-        """
+        """Take a foot on the leg being flown: one with another heading is on the next."""
         before, self._foot = self._foot, foot
         if before is None:
-            self._left = foot
+            self._left = Pose(*(self._first_m or foot[:2]), foot.heading_rad)
         elif self._is_other(foot.heading_rad, before.heading_rad):
             self._left = before
             self.leg += 1

@@ -68,6 +68,7 @@ class Situation:
         """Take the helicopter's newest motion."""
         if motion.is_finite():
             self.helicopter = motion
+            self.progress.see(motion.x_m, motion.y_m)
 
     def set_uav(self, motion: Motion) -> None:
         """Take the UAV's newest motion."""
