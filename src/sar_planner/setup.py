@@ -27,6 +27,7 @@ setup(
             "planner = sar_planner.planner_node:main",
             "replan_benchmark = sar_planner.cli.replan_benchmark:main",
             "corner = sar_planner.cli.corner:main",
+            "envelope = sar_planner.cli.envelope:main",
         ],
     },
 )

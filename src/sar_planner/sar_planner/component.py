@@ -100,7 +100,7 @@ class PlannerComponent(Component):
             topics.UAV_STATE: self._on_status,
             topics.AUTOPILOT: self._on_autopilot,
             topics.MONITOR: keep(self.planner.set_monitor),
-            topics.WIND: keep(self.planner.set_wind),
+            topics.WIND: self._on_wind,
             topics.TARGET: self._on_target,
             **situation.others.inputs,
         }
@@ -141,6 +141,10 @@ class PlannerComponent(Component):
         self.planner.set_status(status)
         released = was is not Mode.IDLE and self.planner.mode is Mode.IDLE
         return self._withdrawn(now_s) if released else []
+
+    def _on_wind(self, wind_mps: tuple[float, float], now_s: float) -> Outputs:
+        self.planner.set_wind(wind_mps, now_s)
+        return []
 
     def _on_autopilot(self, values: dict[str, float], _now_s: float) -> Outputs:
         vehicle = Vehicle(values)
@@ -273,6 +277,7 @@ class PlannerComponent(Component):
                 "speed_asked_mps": _figure(planner.speed_mps),
                 "airspeed_asked_mps": _figure(planner.airspeed_mps),
                 "wind_mps": f"{math.hypot(*planner.wind_mps):.1f}",
+                "speeds_kept_mps": _span(*planner.air.kept_mps),
                 "autopilot": planner.vehicle.warning(),
                 "corrections": report.corrections,
                 "path_efficiency": f"{report.efficiency:.2f}",
@@ -289,6 +294,13 @@ class PlannerComponent(Component):
 
 def _figure(value: float | None) -> str:
     return "" if value is None else f"{value:.1f}"
+
+
+def _span(least: float, most: float) -> str:
+    """Return a span of speeds; empty where it has no end: the airspeeds are not known."""
+    if math.isinf(most):
+        return ""
+    return f"{least:.1f} to {most:.1f}" if least <= most else "none"
 
 
 def corner_outputs(active: ActiveCorner, waypoints: PlannedList) -> Outputs:

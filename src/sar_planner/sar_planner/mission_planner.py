@@ -12,10 +12,12 @@ import numpy as np
 
 from sar_estimator.common.checked import changed
 from sar_estimator.common.reports import MonitorReport, UavStatus, WaypointList
-from sar_estimator.common.states import LegEstimate, list_id_at
+from sar_estimator.common.states import FloatArray, LegEstimate, list_id_at
 from sar_planner.engagement import ENGAGE_MODES, not_flying, obstacle
 from sar_planner.find import Finding
+from sar_planner.guidance.steady_wind import SteadyWind
 from sar_planner.guidance.vehicle import Vehicle
+from sar_planner.guidance.wind_triangle import AirEnvelope
 from sar_planner.orbit import Orbit
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
@@ -37,6 +39,22 @@ class PlannedList(WaypointList):
 
     number: int = 0
     mode: str = ""
+
+
+class ListNumbers:
+    """Numbers the lists of a flight."""
+
+    def __init__(self) -> None:
+        """None was made yet."""
+        self._count = self._id = 0
+
+    def list(
+        self, time_s: float, points: FloatArray, speed_mps: float | None, mode: str
+    ) -> PlannedList:
+        """Return the next list; see ``PlannedList``."""
+        self._count += 1
+        self._id = list_id_at(time_s, self._id)
+        return PlannedList(self._id, time_s, points, speed_mps, number=self._count, mode=mode)
 
 
 STRATEGIES: dict[str, type[Strategy]] = {
@@ -75,8 +93,9 @@ class MissionPlanner:
         self.monitor = MonitorReport()
         self.vehicle = Vehicle({})
         self.wind_mps = (0.0, 0.0)
+        self._steady: SteadyWind | None = None
         self._in_auto = False
-        self._lists = self._list_id = 0
+        self._numbers = ListNumbers()
         self._course_rad = 0.0
         self._retry_s = -math.inf
         self._new = True
@@ -114,15 +133,22 @@ class MissionPlanner:
         self._strategy.lists.tuning = vehicle.tuning(self.parameters)
         self._set_air()
 
-    def set_wind(self, wind_mps: tuple[float, float]) -> None:
+    def set_wind(self, wind_mps: tuple[float, float], now_s: float) -> None:
         """Take where the wind blows to, x and y [m/s]."""
         if math.isfinite(math.hypot(*wind_mps)):
             self.wind_mps = wind_mps
+            self._steady = SteadyWind.after(self._steady, wind_mps, now_s)
             self._set_air()
 
     def _set_air(self) -> None:
         """Work out the UAV's airspeeds and the wind from what is known of them."""
-        self._strategy.lists.air = self.vehicle.air(self.wind_mps, self.status.airspeed_ratio)
+        ratio = self.status.airspeed_ratio
+        self._strategy.lists.air = self.vehicle.air(self.wind_mps, ratio, self._steady)
+
+    @property
+    def air(self) -> AirEnvelope:
+        """The UAV's airspeeds, and the wind."""
+        return self._strategy.lists.air
 
     def set_leg(self, leg: LegEstimate) -> None:
         """Take the leg being flown."""
@@ -266,17 +292,8 @@ class MissionPlanner:
         if not np.isfinite(points).all():
             self.problem = "waypoints that are no numbers: list kept back"
             return None
-        self._lists += 1
         planned = None if self.mode in (Mode.LEG, Mode.HOLD) else speed
-        self._list_id = list_id_at(now_s, self._list_id)
-        self.list = PlannedList(
-            self._list_id,
-            now_s,
-            points[:MAX_WAYPOINTS],
-            planned,
-            number=self._lists,
-            mode=name,
-        )
+        self.list = self._numbers.list(now_s, points[:MAX_WAYPOINTS], planned, name)
         return self.list
 
     def _refused(self, now_s: float) -> str:

@@ -134,7 +134,7 @@ def test_any_list_is_followed_at_a_possible_speed(points, vx, vy, cruise):
     path = follow(uav, route, tuning=TUNING, cruise_mps=cruise, horizon_s=30.0)
     assert path.shape == (61, 2)
     assert np.isfinite(path).all()
-    fastest = max(uav.speed_mps, cruise, 1.0)
+    fastest = max(uav.speed_mps, cruise, TUNING.slowest_mps, 1.0)
     assert np.hypot(*np.diff(path, axis=0).T).max() <= fastest * STEP_S + 1e-9
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from sar_bridge.arduplane.l1_predictor import STEP_S, Route
+from sar_bridge.arduplane.l1_predictor import STEP_S, FollowerTuning, Route
 from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.outlook import NO_APPROACH, Outlook
 from sar_bridge.monitor.parameters import MonitorParameters
@@ -69,3 +69,22 @@ def test_the_closest_approach_says_how_near_when_and_to_what():
     assert f"{found.distance_m:.0f} m in" in str(found)
     assert outlook.closest([], 0.0, 40.0) is NO_APPROACH
     assert outlook.closest(near, -2.0, 40.0).distance_m < found.distance_m
+
+
+@pytest.mark.parametrize(("wind_x", "uav_mps", "matched"), [(12.0, 22.0, True), (0.0, 26.0, False)])
+def test_one_that_flies_as_near_to_the_speed_as_its_airspeeds_allow_is_led(
+    wind_x, uav_mps, matched
+):
+    """In a wind from behind 22 m/s are the least: it is not taken to keep its airspeed."""
+    outlook = known()
+    outlook.tuning = FollowerTuning(slowest_mps=10.0, fastest_mps=30.0)
+    outlook.set_wind((wind_x, 0.0))
+    for time_s in range(101, 160):
+        outlook.set_uav(Motion(float(time_s), uav_mps * (time_s - 100), -250.0, uav_mps, 0.0))
+    uav = outlook.uav
+    outlook.helicopter.set_motion(Motion(159.0, uav.x_m, 0.0, 20.0, 0.0), 1.0, 0.1)
+    route = Route(np.array([[uav.x_m + 200.0, -250.0], [uav.x_m + 200.0, -4000.0]]), uav)
+    path = outlook.path(route, 159.0, 40.0, is_flown=True, escaping=False)
+    across_mps = np.abs(np.diff(path[-6:, 1])).mean() / STEP_S
+    # Across the wind it is led to 20 m/s over ground; one that keeps its airspeed flies that.
+    assert across_mps == pytest.approx(20.0 if matched else uav_mps, abs=1.0)

@@ -46,3 +46,27 @@ def test_paths_are_planned_with_what_can_be_made_good_on_any_course():
     assert AirEnvelope(10.0, 30.0, (0.0, -6.0)).speeds_mps(20.0, 0.1) == pytest.approx((18.0, 22.0))
     assert AirEnvelope(10.0, 27.0, (0.0, 6.0)).speeds_mps(20.0, 0.1) == pytest.approx((18.0, 21.0))
     assert AirEnvelope(10.0, 30.0, (12.0, 0.0)).speeds_mps(20.0, 0.1) == pytest.approx((19.6, 20.4))
+
+
+@given(
+    st.floats(0.0, 15.0),
+    st.floats(-math.pi, math.pi),
+    st.floats(-math.pi, math.pi),
+    st.floats(8.0, 18.0),
+    st.floats(20.0, 35.0),
+)
+def test_what_a_course_allows_takes_the_least_and_the_most_airspeed(wind, to, course, low, high):
+    air = AirEnvelope(low, high, (wind * math.cos(to), wind * math.sin(to)))
+    slowest, fastest = air.on_course_mps(course)
+    assert 0.0 <= slowest <= fastest
+    across = wind * math.sin(to - course)
+    assert air.airspeed_mps(course, fastest) == pytest.approx(high)
+    if slowest > 0.0 and abs(across) < low:
+        needed = math.hypot(slowest - wind * math.cos(to - course), across)
+        assert needed == pytest.approx(low)
+    elif slowest > 0.0:
+        assert slowest == pytest.approx(wind * math.cos(to - course))
+
+
+def test_a_wind_across_that_is_faster_than_the_uav_carries_it_off():
+    assert AirEnvelope(5.0, 9.0, (0.0, 10.0)).on_course_mps(0.0) == (0.0, 0.0)

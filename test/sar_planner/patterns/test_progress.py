@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_estimator.common.pose import Pose
+from sar_estimator.common.pose import Pose, wrap_angle
 from sar_planner.patterns.legs import PatternTerms, legs_of
 from sar_planner.patterns.progress import Progress, begin_of, expectation, places_of
 from sar_planner.patterns.slot import Slot
@@ -85,3 +85,25 @@ def test_the_first_leg_began_where_the_helicopter_was_first_and_is_laid_as_it_is
     progress.fly(Pose(700.0, -300.0, -math.pi / 2))
     assert progress.leg == 1
     assert progress.begun == pytest.approx((700.0, 5.0, -math.pi / 2))
+
+
+@pytest.mark.parametrize(
+    ("kind", "slot", "legs"),
+    [
+        ("expanding_square", Slot("inside"), [False] * 4),
+        ("expanding_square", Slot("outside", 2), [True] * 4),
+        ("sector", Slot("left"), [True] * 4),
+        ("parallel_track", Slot("right"), [False, False, True, True]),
+        ("parallel_track", Slot("inside"), [False] * 4),
+    ],
+)
+def test_whether_a_slot_stays_outside_of_the_turn_to_come(kind, slot, legs):
+    """Beyond a cross leg the UAV comes ahead, and is not led as one that stays outside."""
+    terms = PatternTerms(kind, 1, 2000.0, 500.0)
+    progress = Progress(terms, slot)
+    course, found = 0.0, []
+    for leg in range(4):
+        progress.fly(Pose(0.0, 0.0, course))
+        found.append(progress.stays_outside(course))
+        course = wrap_angle(course + terms.turn_after(leg))
+    assert found == legs

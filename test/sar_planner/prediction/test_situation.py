@@ -272,3 +272,17 @@ def test_every_corner_has_its_turn_and_places_before_and_after_it(pattern, place
         heading += expected.turn_rad
     assert found == [pytest.approx(places) for places in places_m]
     assert situation.progress.leg == 3
+
+
+def test_how_much_is_left_of_a_leg_and_of_the_one_to_come():
+    """Of the leg being flown, what is not flown yet; of the next, all of it; of none, nothing."""
+    known = Situation(CornerParameters(), PatternTerms(leg_m=2000.0, spacing_m=500.0))
+    assert known.left_m(0.0) == 2000.0
+    known.set_helicopter(Motion(0.0, 0.0, 0.0, 20.0, 0.0))
+    known.set_leg(LegEstimate(0.0, Pose(0.0, 0.0, 0.0), 20.0, 0.5, 0.001, 0.02))
+    known.set_helicopter(Motion(30.0, 600.0, 0.0, 20.0, 0.0))
+    assert known.left_m(0.0) == pytest.approx(1400.0)
+    assert known.left_m(-0.5 * math.pi) == pytest.approx(2000.0)
+    known.set_helicopter(Motion(120.0, 2400.0, 0.0, 20.0, 0.0))
+    assert known.left_m(0.0) == 0.0
+    assert Situation(CornerParameters(), PatternTerms()).left_m(0.0) == 0.0

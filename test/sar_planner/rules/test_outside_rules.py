@@ -125,3 +125,14 @@ def test_no_turn_and_a_turn_back_have_no_outside():
 def test_too_late_for_the_corner_is_told():
     with pytest.raises(NoPathError, match="no path outside"):
         OutsideRules(P, RIGHT).plan(-300.0, lead_m=200.0, separation_m=200.0)
+
+
+def test_a_chord_is_apart_from_one_that_stands_on_or_stops_farther_on():
+    """However much the leg asks for it, it is cut no more than that."""
+    rules = OutsideRules(P, RIGHT)
+    plan = rules.plan(0.0, separation_m=200.0, most_left_m=-math.inf)
+    points = plan.path.sample(1.0)
+    assert plan.rule is Rule.O2
+    assert np.hypot(*points.T).min() >= 200.0
+    farther = points - np.array((P.stopping_m, 0.0))
+    assert np.hypot(*farther.T).min() >= 0.7 * 200.0 - 0.5

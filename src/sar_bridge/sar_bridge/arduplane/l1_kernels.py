@@ -1,7 +1,8 @@
 """A UAV under ArduPlane's lateral guidance flown in advance, compiled (``l1_predictor``).
 
-Its state is an array: x, y [m], ground speed [m/s], course [rad], turn rate [rad/s]. Its handling
-is an array, in the order of the constants below. Angles counter-clockwise from the x axis.
+Its state is an array: x, y [m], ground speed [m/s], course [rad], turn rate [rad/s], airspeed
+[m/s]. Its handling is an array, in the order of the constants below. Angles counter-clockwise from
+the x axis.
 """
 
 from __future__ import annotations
@@ -27,12 +28,13 @@ HALF_PI = 0.5 * math.pi
     GAIN,  # turn rate over sin(Nu) [rad/s]
     PULL_MPS2,  # most lateral acceleration
     CRUISE_MPS,  # ground speed it goes to; NaN where the airspeed is kept
-    CHANGE_MPS,  # most change of ground speed in a step
+    CHANGE_MPS,  # most change of airspeed in a step
     WIND_X,  # where the wind blows to [m/s]
     WIND_Y,
-    AIR2,  # square of the airspeed [m^2/s^2]
+    SLOWEST_MPS,  # airspeeds that it flies
+    FASTEST_MPS,
     HANDLING,  # how many of these there are
-) = range(13)
+) = range(14)
 STANDS, LEAVES_LEFT, LEAVES_RIGHT = range(3)
 
 
@@ -146,6 +148,15 @@ def closest(
     return least, where
 
 
+@compiled("float64(float64, float64, float64, float64, float64)")
+def over_ground(airspeed_mps: float, ux: float, uy: float, wind_x: float, wind_y: float) -> float:
+    """Return the ground speed [m/s] on a course of direction ux, uy that an airspeed gives."""
+    along = wind_x * ux + wind_y * uy
+    across = wind_y * ux - wind_x * uy
+    speed = along + math.sqrt(max(airspeed_mps * airspeed_mps - across * across, 0.0))
+    return max(speed, LEAST_SPEED_MPS)
+
+
 @compiled("void(float64[::1], float64[::1], float64)")
 def turn(state: FloatArray, handling: FloatArray, wanted_radps: float) -> None:
     """Fly a step with a demanded turn rate."""
@@ -155,14 +166,15 @@ def turn(state: FloatArray, handling: FloatArray, wanted_radps: float) -> None:
     rate += handling[LAG_SHARE] * (wanted - rate)
     course = state[3] + rate * handling[STEP_S]
     ux, uy = math.cos(course), math.sin(course)
-    if math.isnan(handling[CRUISE_MPS]):
-        along = handling[WIND_X] * ux + handling[WIND_Y] * uy
-        across = handling[WIND_Y] * ux - handling[WIND_X] * uy
-        speed = along + math.sqrt(max(handling[AIR2] - across * across, 0.0))
-        speed = max(speed, LEAST_SPEED_MPS)
-    else:
+    if not math.isnan(handling[CRUISE_MPS]):
+        needed = math.hypot(
+            handling[CRUISE_MPS] * ux - handling[WIND_X],
+            handling[CRUISE_MPS] * uy - handling[WIND_Y],
+        )
+        needed = min(max(needed, handling[SLOWEST_MPS]), handling[FASTEST_MPS])
         change = handling[CHANGE_MPS]
-        speed += min(max(handling[CRUISE_MPS] - speed, -change), change)
+        state[5] += min(max(needed - state[5], -change), change)
+    speed = over_ground(state[5], ux, uy, handling[WIND_X], handling[WIND_Y])
     run = handling[STEP_S] * speed
     state[0] += run * ux
     state[1] += run * uy

@@ -31,7 +31,8 @@ class FollowerTuning:
     """How the autopilot flies: NAVL1_PERIOD [s], NAVL1_DAMPING, roll limit [deg], loiter [m].
 
     ``loiter_radius_m``: clockwise above 0. ``turn_share``: turn rate over that of a coordinated
-    turn at the same bank. ``roll_lag_s``: from a demand to the bank.
+    turn at the same bank. ``roll_lag_s``: from a demand to the bank. ``slowest_mps``,
+    ``fastest_mps``: the airspeeds that it flies.
     """
 
     period_s: float = 6.0
@@ -40,6 +41,8 @@ class FollowerTuning:
     loiter_radius_m: float = 80.0
     turn_share: float = 0.8
     roll_lag_s: float = 0.35
+    slowest_mps: float = 0.0
+    fastest_mps: float = math.inf
 
     @classmethod
     def read(cls, values: Mapping[str, float]) -> FollowerTuning:
@@ -53,9 +56,19 @@ class FollowerTuning:
             values.get("NAVL1_DAMPING", usual.damping),
             values.get("ROLL_LIMIT_DEG", usual.roll_limit_deg),
             values.get("WP_LOITER_RAD", usual.loiter_radius_m) or usual.loiter_radius_m,
+            slowest_mps=values.get("AIRSPEED_MIN", usual.slowest_mps),
+            fastest_mps=values.get("AIRSPEED_MAX", usual.fastest_mps),
         )
         sound = found.period_s > 0.0 and found.damping > 0.0 and 0.0 < found.roll_limit_deg < 90.0
+        sound = sound and 0.0 <= found.slowest_mps < found.fastest_mps
         return found if sound and math.isfinite(found.loiter_radius_m) else usual
+
+    def made_good_mps(self, course_rad: float, wanted_mps: float, wind_mps: Vector) -> float:
+        """Return what the airspeeds make good of a ground speed on a course, in a wind."""
+        ux, uy = math.cos(course_rad), math.sin(course_rad)
+        needed = math.hypot(wanted_mps * ux - wind_mps[0], wanted_mps * uy - wind_mps[1])
+        airspeed = min(max(needed, self.slowest_mps), self.fastest_mps)
+        return float(l1_kernels.over_ground(airspeed, ux, uy, *wind_mps))
 
 
 class Route:
@@ -131,7 +144,6 @@ def motion_at_end(path: FloatArray, time_s: float) -> Motion:
 
 
 def handling(
-    uav: Motion,
     tuning: FollowerTuning,
     step_s: float,
     cruise_mps: float | None = None,
@@ -139,11 +151,10 @@ def handling(
 ) -> FloatArray:
     """Return how a UAV answers its guidance, as ``kernels`` takes it.
 
-    Its ground speed goes to ``cruise_mps``; without one, it keeps the airspeed that it has in the
-    wind that blows to ``wind_mps``.
+    Its airspeed goes to what ``cruise_mps`` over ground takes in the wind that blows to
+    ``wind_mps``, as far as it flies that; without one, it keeps the airspeed that it has.
     """
     l1_s = tuning.damping * tuning.period_s / math.pi
-    air = math.hypot(uav.vx_mps - wind_mps[0], uav.vy_mps - wind_mps[1])
     given = np.empty(l1_kernels.HANDLING)
     given[l1_kernels.STEP_S] = step_s
     given[l1_kernels.LOITER_M] = abs(tuning.loiter_radius_m)
@@ -156,14 +167,17 @@ def handling(
     given[l1_kernels.CRUISE_MPS] = math.nan if cruise_mps is None else cruise_mps
     given[l1_kernels.CHANGE_MPS] = ACCEL_MPS2 * step_s
     given[l1_kernels.WIND_X], given[l1_kernels.WIND_Y] = wind_mps
-    given[l1_kernels.AIR2] = max(air, LEAST_SPEED_MPS) ** 2
+    given[l1_kernels.SLOWEST_MPS] = tuning.slowest_mps
+    given[l1_kernels.FASTEST_MPS] = tuning.fastest_mps
     return given
 
 
-def level(uav: Motion) -> FloatArray:
+def level(uav: Motion, wind_mps: Vector = (0.0, 0.0)) -> FloatArray:
     """Return a UAV's state, wings level, as ``kernels`` takes it."""
     speed = max(uav.speed_mps, LEAST_SPEED_MPS)
-    return np.array((uav.x_m, uav.y_m, speed, uav.course_rad, 0.0))
+    airspeed = math.hypot(uav.vx_mps - wind_mps[0], uav.vy_mps - wind_mps[1])
+    airspeed = max(airspeed, LEAST_SPEED_MPS)
+    return np.array((uav.x_m, uav.y_m, speed, uav.course_rad, 0.0, airspeed))
 
 
 def follow(
@@ -177,14 +191,14 @@ def follow(
 ) -> FloatArray:
     """Return where the UAV will be, shape (n, 2) [m], every ``STEP_S`` from its own time on.
 
-    Its ground speed goes to ``cruise_mps``, as lists are led, or it keeps its airspeed
+    Its ground speed goes to ``cruise_mps``, as far as its airspeeds allow, or it keeps its airspeed
     (``handling``); behind the list it loiters about the last waypoint.
     """
     return fly_and_loiter(
         route.points,
         route.target,
         np.array(route.begin),
-        level(uav),
-        handling(uav, tuning, STEP_S, cruise_mps, wind_mps),
+        level(uav, wind_mps),
+        handling(tuning, STEP_S, cruise_mps, wind_mps),
         round(horizon_s / STEP_S),
     )

@@ -39,7 +39,7 @@ class Track:
         """Fly it."""
         self._uav = uav
         self._steps = round((until_m / max(uav.speed_mps, 1.0) + LOOKED_BEHIND_S) / STEP_S)
-        self._handling = handling(uav, tuning, STEP_S)
+        self._handling = handling(tuning, STEP_S)
         self.flown = self._fly(points, begin)
 
     def apart_m(self, points: FloatArray, begin: Point) -> float:

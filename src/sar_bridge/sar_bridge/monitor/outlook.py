@@ -17,7 +17,7 @@ from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.other_uavs import OtherUavs
 from sar_estimator.common.states import FloatArray, Motion, Phase
 
-PLANNED_SHARE = 0.2  # of the helicopter's speed, within which a list's own is believed
+PLANNED_SHARE = 0.4  # of the helicopter's speed, within which a list's own is believed
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,9 @@ class Outlook:
         """Take the UAV's newest motion."""
         if self.uav is not None and motion.time_s > self.uav.time_s:
             share = -math.expm1((self.uav.time_s - motion.time_s) / self._p.matched_s)
-            off = motion.speed_mps - self.helicopter.cruise_mps
+            cruise = self.helicopter.cruise_mps
+            beside = self.tuning.made_good_mps(motion.course_rad, cruise, self.wind_mps)
+            off = motion.speed_mps - beside
             self._off_mps += share * (off - self._off_mps)
         self.uav = motion
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from sar_estimator.common.constants import G_MPS2
 from sar_planner.guidance.l1_waypoints import L1Tuning
+from sar_planner.guidance.steady_wind import SteadyWind
 from sar_planner.guidance.wind_triangle import AirEnvelope
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
@@ -32,10 +33,15 @@ class Vehicle:
         """The slowest and the fastest indicated airspeed that the autopilot flies."""
         return self.values.get("AIRSPEED_MIN", 0.0), self.values.get("AIRSPEED_MAX", math.inf)
 
-    def air(self, wind_mps: tuple[float, float], airspeed_ratio: float = 1.0) -> AirEnvelope:
+    def air(
+        self,
+        wind_mps: tuple[float, float],
+        airspeed_ratio: float = 1.0,
+        steady: SteadyWind | None = None,
+    ) -> AirEnvelope:
         """Return its true airspeeds, in a wind; ``airspeed_ratio``: true over indicated."""
         slowest, fastest = self.airspeeds_mps
-        return AirEnvelope(airspeed_ratio * slowest, airspeed_ratio * fastest, wind_mps)
+        return AirEnvelope(airspeed_ratio * slowest, airspeed_ratio * fastest, wind_mps, steady)
 
     def indicated_mps(self, true_mps: float, airspeed_ratio: float) -> float:
         """Return what the autopilot is to be told for a true airspeed: it refuses other values."""

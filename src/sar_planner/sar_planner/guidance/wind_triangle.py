@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sar_planner.guidance.steady_wind import SteadyWind
 from sar_planner.paths.flight_path import FloatArray
 
 NEARLY_MPS = 0.2
@@ -17,12 +18,13 @@ LEAST_TRIM = 0.02
 class AirEnvelope:
     """The UAV's airspeeds [m/s], and the wind it flies in, blowing towards ``wind_mps`` (x, y).
 
-    Airspeeds are true ones.
+    Airspeeds are true ones. ``steady``: the wind over minutes, where it is known.
     """
 
     slowest_mps: float = 0.0
     fastest_mps: float = math.inf
     wind_mps: tuple[float, float] = (0.0, 0.0)
+    steady: SteadyWind | None = None
 
     def airspeed_mps(self, course_rad: float, ground_speed_mps: float) -> float:
         """Return the airspeed [m/s] that a ground speed on a course takes, within the envelope."""
@@ -39,6 +41,34 @@ class AirEnvelope:
         slowest = max(speed_mps * (1.0 - trim), self.slowest_mps + wind)
         fastest = min(speed_mps * (1.0 + max(trim, faster)), self.fastest_mps - wind)
         return min(slowest, speed_mps * (1.0 - least)), max(fastest, speed_mps * (1.0 + least))
+
+    def on_course_mps(self, course_rad: float) -> tuple[float, float]:
+        """Return the slowest and the fastest ground speed on a course [m/s].
+
+        With the nose ahead; 0 where the wind carries the UAV off sideways, or backwards.
+        """
+        ux, uy = math.cos(course_rad), math.sin(course_rad)
+        along = self.wind_mps[0] * ux + self.wind_mps[1] * uy
+        across = self.wind_mps[1] * ux - self.wind_mps[0] * uy
+        if abs(across) >= self.fastest_mps:
+            return 0.0, 0.0
+        slowest, fastest = (
+            along + math.sqrt(max(airspeed**2 - across**2, 0.0))
+            for airspeed in (self.slowest_mps, self.fastest_mps)
+        )
+        return max(slowest, 0.0), max(fastest, 0.0)
+
+    @property
+    def kept_mps(self) -> tuple[float, float]:
+        """The helicopter's speeds beside which a place is kept on all courses, in gusts, too [m/s].
+
+        The first is more than the second where there is none.
+        """
+        wind, gusts = self.wind_mps, 0.0
+        if self.steady is not None:
+            wind, gusts = self.steady.mean_mps, self.steady.gusts_mps
+        spare = math.hypot(*wind) + gusts
+        return self.slowest_mps + spare, self.fastest_mps - spare
 
     def _needed_mps(self, course_rad: float, ground_speed_mps: float) -> float:
         vx = ground_speed_mps * math.cos(course_rad) - self.wind_mps[0]

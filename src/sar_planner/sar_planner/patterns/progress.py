@@ -9,7 +9,7 @@ import math
 from typing import NamedTuple
 
 from sar_estimator.common.pose import Pose, wrap_angle
-from sar_planner.patterns.legs import PatternTerms
+from sar_planner.patterns.legs import PatternTerms, inside_of
 from sar_planner.patterns.slot import INSIDE, Slot
 
 TURNED_RAD = math.radians(45.0)
@@ -109,6 +109,17 @@ class Progress:
     def across(self, heading_rad: float) -> float:
         """Return where the slot is on a leg of a heading [rad]; see ``Slot.across_on``."""
         return self.slot.across_on(self.terms, self.leg_on(heading_rad))
+
+    def stays_outside(self, heading_rad: float) -> bool:
+        """Whether the slot is outside of the turn that ends a leg of a heading [rad], and after it.
+
+        Not beyond a cross leg, onto which a UAV comes ahead.
+        """
+        leg = self.leg_on(heading_rad)
+        if self.terms.is_cross_leg(leg) and self.slot.side == "inside":
+            return False
+        inside = inside_of(self.terms.turn_after(leg))
+        return all(inside * self.slot.across_on(self.terms, at) < 0.0 for at in (leg, leg + 1))
 
     def is_cross_leg(self, heading_rad: float) -> bool:
         """Whether a leg of a heading [rad] leads from one search leg to the next."""

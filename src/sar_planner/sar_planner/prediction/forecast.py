@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -78,6 +78,10 @@ class Forecast:
             for one in self.stretches
         )
         return Forecast(moved, frame.to_frame(self.leg), self.zero_s, self.speed_mps)
+
+    def behind(self, lag_m: float) -> Forecast:
+        """Return the same motion with a slot that is so far behind [m]."""
+        return replace(self, zero_s=self.zero_s + lag_m / self.speed_mps)
 
     def along_m(self, time_s: float) -> float:
         """Return how far along the leg, from ``leg``, the slot is at ``time_s`` [m]."""

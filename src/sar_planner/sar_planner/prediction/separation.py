@@ -15,6 +15,7 @@ from sar_planner.paths.kernels import SAMPLE_M, least_apart, least_apart_of_each
 from sar_planner.paths.slot_intercept import PathBatch, radii_m
 from sar_planner.prediction.forecast import Forecast, cornering
 
+STANDING_S = 60.0
 BESIDE_S = 6.0
 BESIDE_STEP_S = 0.25
 
@@ -35,6 +36,23 @@ def corner_forecast(p: CornerParameters, turn_rad: float = 0.5 * math.pi) -> For
         speed_mps=p.speed_mps,
         accel_mps2=p.accel_mps2,
         turn_rad=-turn_rad,
+    )
+
+
+def corner_standing(
+    p: CornerParameters, turn_rad: float = 0.5 * math.pi, at_m: float = 0.0
+) -> Forecast:
+    """Return the same of a helicopter that stands in the corner for ``STANDING_S``.
+
+    ``at_m``: so far beyond it [m].
+    """
+    return cornering(
+        at_m / p.speed_mps,
+        Pose(at_m, 0.0, 0.0),
+        speed_mps=p.speed_mps,
+        accel_mps2=p.accel_mps2,
+        turn_rad=-turn_rad,
+        hover_s=STANDING_S,
     )
 
 

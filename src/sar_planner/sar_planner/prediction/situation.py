@@ -186,6 +186,16 @@ class Situation:
         """The slot track of the newest leg, abeam the helicopter's foot on it."""
         return None if self.leg is None else self.slot_of(self.leg.foot)
 
+    def left_m(self, heading_rad: float) -> float:
+        """Return how much is left of the leg of a heading [m]; 0 where its length is not known."""
+        progress = self.progress
+        leg = progress.leg_on(heading_rad)
+        length_m = progress.terms.length_of(leg)
+        begun, helicopter = progress.begun, self.helicopter
+        if leg != progress.leg or begun is None or helicopter is None:
+            return length_m
+        return max(0.0, length_m - begun.along(helicopter.x_m, helicopter.y_m))
+
     @property
     def pattern_ahead(self) -> FloatArray:
         """The corners of the pattern that are still expected, shape (n, 2) [m]; none where unknown.

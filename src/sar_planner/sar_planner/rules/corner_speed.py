@@ -34,27 +34,28 @@ def sped_up_plan(
     speed_ups: Sequence[float],
     path_efficiency: float,
     turn_rad: float = 0.5 * math.pi,
+    aim_m: float = 0.0,
 ) -> tuple[CornerPlan, float] | None:
     """Return the plan of a corner and how much faster than V it is flown; None where there is none.
 
-    The first separation and speed, in the order given, at which the lag is taken out; else what
-    leaves the least. Only weaves are flown faster: they see more by it. ``turn_rad``: the size of
-    the turn. Raises ``NoPathError`` for one that the rules are not for.
+    The first separation and speed, in the order given, at which no lag is left but ``aim_m``; else
+    what comes nearest to that. Only weaves are flown faster: they see more by it. ``turn_rad``: the
+    size of the turn. Raises ``NoPathError`` for one that the rules are not for.
     """
     found: tuple[CornerPlan, float] | None = None
     for separation in separations_m:
         for speed_up in speed_ups:
             share = path_efficiency * speed_up
-            rules = DeadbeatRules(parameters, path_efficiency=share, turn_rad=turn_rad)
+            rules = DeadbeatRules(parameters, path_efficiency=share, turn_rad=turn_rad, aim_m=aim_m)
             only = Rule.D4 if speed_up > 1.0 else None
             try:
                 plan = rules.plan(lag_m, lead_m=lead_m, separation_m=separation, only=only)
             except NoPathError:
                 continue
-            left_m = abs(plan.next_lag_m)
+            left_m = abs(plan.next_lag_m - aim_m)
             if left_m <= CONVERGED_M:
                 return plan, speed_up
-            if found is None or left_m < abs(found[0].next_lag_m) - CONVERGED_M:
+            if found is None or left_m < abs(found[0].next_lag_m - aim_m) - CONVERGED_M:
                 found = plan, speed_up
     return found
 

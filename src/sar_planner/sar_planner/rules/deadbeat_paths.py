@@ -113,11 +113,13 @@ class DeadbeatPaths:
         *,
         path_efficiency: float = 1.0,
         turn_rad: float = HALF_PI,
+        aim_m: float = 0.0,
     ) -> None:
         """Prepare what does not depend on the lag.
 
         ``path_efficiency``: share of V that the UAV makes good along its path after the lead-in,
-        above 1 where it flies faster. ``turn_rad``: the size of the turn [rad]. Raises
+        above 1 where it flies faster. ``turn_rad``: the size of the turn [rad].
+        ``aim_m``: the L(k+1) that is wanted [m]. Raises
         ``NoPathError`` for one that the rules are not for.
         """
         if not LEAST_TURN_RAD <= turn_rad <= MOST_TURN_RAD:
@@ -127,7 +129,7 @@ class DeadbeatPaths:
             )
         self.parameters = parameters
         self._path_efficiency = path_efficiency
-        self._turn_rad = turn_rad
+        self._turn_rad, self.aim_m = turn_rad, aim_m
         self.frame = slot_frame(parameters, turn_rad)
         self._slot_forecast = corner_forecast(parameters, turn_rad).in_frame(self.frame)
 
@@ -151,26 +153,26 @@ class DeadbeatPaths:
     def exact(
         self, problem: InterceptProblem, lead_m: float, straights: tuple[int, int]
     ) -> PathBatch:
-        """Return the adjustable curves with L(k+1) = 0, by these two straights."""
+        """Return the adjustable curves with the L(k+1) wanted, by these two straights."""
         arcs = _curve_arcs(problem.start.heading_rad, problem.radius_m, problem.slow_factor)
-        offset_m = self._offset_m(problem)
+        offset_m = self._offset_m(problem) + self.aim_m
         batch = problem.solve(arcs, offset_m, straights=straights, lead_m=lead_m)
         return self._short(batch, lead_m)
 
     def weaves(self, problem: InterceptProblem, lead_m: float, headings: FloatArray) -> PathBatch:
-        """Return the weaves with L(k+1) = 0 of headings alpha, beta, delta [rad], shape (n, 3)."""
+        """Return the weaves with that L(k+1) of headings alpha, beta, delta [rad], shape (n, 3)."""
         possible = headings[headings.sum(axis=1) >= self._turn_rad]
         return self._solved(*_woven(problem, possible), lead_m)
 
     def grid_of_weaves(self, problem: InterceptProblem, lead_m: float) -> PathBatch:
-        """Return the weaves with L(k+1) = 0 of a coarse grid of headings."""
+        """Return the weaves with the L(k+1) wanted of a coarse grid of headings."""
         woven = replace(problem, last_turn_rad=-_weaves_rad(problem.start.heading_rad)[:, 2])
         arcs = _weave_arcs(problem.start.heading_rad, problem.radius_m, problem.slow_factor)
         return self._solved(woven, arcs, lead_m)
 
     def _solved(self, woven: InterceptProblem, arcs: Arcs, lead_m: float) -> PathBatch:
         batches = [
-            woven.solve(arcs, self._offset_m(woven), straights=pair, lead_m=lead_m)
+            woven.solve(arcs, self._offset_m(woven) + self.aim_m, straights=pair, lead_m=lead_m)
             for pair in ((STRAIGHT_Y, STRAIGHT_Q), (STRAIGHT_P, STRAIGHT_Y))
         ]
         return self._short(PathBatch.join(batches), lead_m)

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sar_planner.parameters.corner import CornerParameters
-from sar_planner.paths.flight_path import FlightPath
+from sar_planner.paths.flight_path import FlightPath, FloatArray
 from sar_planner.paths.slot_intercept import (
     STRAIGHT_P,
     STRAIGHT_Q,
@@ -63,14 +63,21 @@ class DeadbeatRules:
         *,
         path_efficiency: float = 1.0,
         turn_rad: float = HALF_PI,
+        aim_m: float = 0.0,
     ) -> None:
         """Prepare what does not depend on the lag; see ``DeadbeatPaths``."""
         self.parameters = parameters
-        self.paths = DeadbeatPaths(parameters, path_efficiency=path_efficiency, turn_rad=turn_rad)
+        self.paths = DeadbeatPaths(
+            parameters, path_efficiency=path_efficiency, turn_rad=turn_rad, aim_m=aim_m
+        )
 
     def closest(self, path: FlightPath) -> ClosestApproach:
         """Return the closest approach of a path that is flown at V."""
         return self.paths.closest(path)
+
+    def _missed_m(self, family: Candidates) -> FloatArray:
+        """Return by how much the paths of a family miss the L(k+1) wanted [m]."""
+        return np.abs(family.next_lags_m - self.paths.aim_m)
 
     def _best_weave(
         self, problem: InterceptProblem, lead_m: float, separation_m: float
@@ -123,7 +130,7 @@ class DeadbeatRules:
         problem = self.paths.problem(lag_m)
         lead_m = max(0.0, lead_m)
         cut = self.paths.cut(problem, lead_m)
-        cut_does = only in (None, Rule.D1) and (np.abs(cut.next_lags_m) <= CONVERGED_M).any()
+        cut_does = only in (None, Rule.D1) and (self._missed_m(cut) <= CONVERGED_M).any()
         if only in (None, Rule.D4) and not cut_does:
             weave = self._best_weave(problem, lead_m, separation_m)
             if weave is not None:
@@ -189,8 +196,8 @@ class DeadbeatRules:
     def _smallest_safe(
         self, families: list[Candidates], separation_m: float
     ) -> tuple[Rule, PathBatch] | None:
-        """Return the path with the L(k+1) nearest to 0 that keeps the separation."""
-        lags = np.abs(np.concatenate([family.next_lags_m for family in families]))
+        """Return the path with the L(k+1) nearest to the wanted that keeps the separation."""
+        lags = np.concatenate([self._missed_m(family) for family in families])
         rules = [family.rule for family in families for _ in range(len(family.batch))]
         batch = PathBatch.join([family.batch for family in families])
         order = np.argsort(lags, kind="stable")

@@ -28,12 +28,14 @@ from sar_planner.prediction.separation import (
     ClosestApproach,
     closest_over_time,
     corner_forecast,
+    corner_standing,
     least_apart_m,
     sampling_slack_m,
 )
 from sar_planner.rules.paper_rules import CornerPlan, NoPathError, Rule
 
 CUTS = 24
+FARTHER_SHARE = 0.7
 MOST_TURN_RAD = math.radians(135.0)
 
 
@@ -65,8 +67,11 @@ class OutsideRules:
         self._to_m = p.spacing_m if to_m is None else to_m
         self._speed_mps = speed_mps or p.speed_mps
         forecast = corner_forecast(p, turn_rad)
+        standing = corner_standing(p, turn_rad)
+        farther = corner_standing(p, turn_rad, at_m=p.stopping_m)
         self._frame = CornerFrame(Pose(0.0, 0.0, -turn_rad).offset(0.0, self._to_m), -1)
         self._in_corner, self._in_slot = forecast, forecast.in_frame(self._frame)
+        self._kept_from, self._farther = (forecast, standing), farther
 
     @property
     def corner_m(self) -> float:
@@ -101,11 +106,22 @@ class OutsideRules:
         return self._in_slot.slot_x_m(arrival_s) - self._frame.to_frame(path.end).x_m
 
     def closest_m(self, path: FlightPath) -> float:
-        """Return the least distance of a path [m], certain not to be more than the true one."""
+        """Return the least distance of a path [m], certain not to be more than the true one.
+
+        Also to a helicopter that stands in the corner for longer than it is expected to.
+        """
         p = self.parameters
         slack = sampling_slack_m(p.separation_m, p.turn_radius_m)
-        apart = least_apart_m(path, (self._in_corner,), start_s=0.0, speed_mps=self._speed_mps)
+        apart = least_apart_m(path, self._kept_from, start_s=0.0, speed_mps=self._speed_mps)
         return apart - slack
+
+    def _may_be_cut(self, path: FlightPath, separation_m: float) -> bool:
+        """Whether a chord is apart from a helicopter that stands another stopping way farther on.
+
+        Across the outer corner it leads towards the nose of one that goes on.
+        """
+        apart = least_apart_m(path, (self._farther,), start_s=0.0, speed_mps=self._speed_mps)
+        return apart >= FARTHER_SHARE * separation_m
 
     def closest(self, path: FlightPath) -> ClosestApproach:
         """Return the closest approach of a path."""
@@ -144,6 +160,8 @@ class OutsideRules:
         for rule, path in self._paths(lag_m):
             plan = CornerPlan(rule, lag_m, self.next_lag_m(path), path, self.parameters)
             if plan.turn_start_m < lead_m or self.closest_m(path) < separation_m:
+                continue
+            if rule is Rule.O2 and not self._may_be_cut(path, separation_m):
                 continue
             if best is None or plan.next_lag_m < best.next_lag_m:
                 best = plan

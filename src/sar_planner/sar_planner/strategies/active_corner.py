@@ -26,7 +26,10 @@ class Mode(enum.StrEnum):
 
 @dataclass(frozen=True)
 class ActiveCorner:
-    """The corner being flown: ``k`` from 1, the estimate it was planned from, and the plan."""
+    """The corner being flown: ``k`` from 1, the estimate it was planned from, and the plan.
+
+    ``uav_speed_mps``: along the path, since the onset.
+    """
 
     k: int
     estimate: CornerEstimate
@@ -47,12 +50,20 @@ class ActiveCorner:
 
 
 def measured(
-    estimate: CornerEstimate, frame: CornerFrame, uav: Motion, nominal: CornerParameters
+    estimate: CornerEstimate,
+    frame: CornerFrame,
+    uav: Motion,
+    nominal: CornerParameters,
+    led_back_mps: float | None = None,
 ) -> tuple[CornerParameters, float]:
-    """Return a corner's parameters as estimated, and L(k) [m], led back to the onset."""
+    """Return a corner's parameters as estimated, and L(k) [m], led back to the onset.
+
+    ``led_back_mps``: at which speed; the UAV's own where it is not given.
+    """
     parameters = replace(nominal, speed_mps=estimate.speed_mps, accel_mps2=estimate.accel_mps2)
     since = uav.time_s - estimate.onset_time_s
-    at_onset = frame.to_frame(uav.pose).x_m - uav.speed_mps * since
+    speed_mps = uav.speed_mps if led_back_mps is None else led_back_mps
+    at_onset = frame.to_frame(uav.pose).x_m - speed_mps * since
     return parameters, -parameters.stopping_m - at_onset
 
 

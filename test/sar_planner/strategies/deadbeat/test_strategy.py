@@ -235,15 +235,15 @@ def test_old_legs_are_not_believed_after_a_stop():
 def test_wind_and_the_autopilots_parameters_are_heeded():
     plan = on_leg(0.0)
     plan.set_vehicle(Vehicle({"NAVL1_PERIOD": 15.0, "AIRSPEED_MIN": 12.0, "AIRSPEED_MAX": 25.0}))
-    plan.set_wind((-3.0, 0.0))
+    plan.set_wind((-3.0, 0.0), 99.0)
     plan.update(100.0)
     assert plan.airspeed_mps == pytest.approx(23.0, abs=0.5)
     assert plan.problem == ""
-    plan.set_wind((-8.0, 0.0))
+    plan.set_wind((-8.0, 0.0), 100.0)
     plan.update(100.1)
     assert plan.airspeed_mps == 25.0
     assert "expected 12 to 25" in plan.problem
-    plan.set_wind((math.nan, 0.0))
+    plan.set_wind((math.nan, 0.0), 100.1)
     assert plan.wind_mps == (-8.0, 0.0)
     plan.disengage()
     plan.set_vehicle(Vehicle({"AIRSPEED_MAX": 18.0}))
@@ -257,7 +257,7 @@ def test_the_autopilot_is_told_an_indicated_airspeed():
     told = plan.airspeed_mps
     plan.set_status(replace(FLYING, airspeed_ratio=1.1))
     assert plan.airspeed_mps == pytest.approx(told / 1.1)
-    plan.set_wind((-7.0, 0.0))
+    plan.set_wind((-7.0, 0.0), 100.0)
     plan.update(100.1)
     assert plan.airspeed_mps == pytest.approx(27.0 / 1.1)
     assert plan.problem == ""

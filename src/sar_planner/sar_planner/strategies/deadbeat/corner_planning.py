@@ -16,9 +16,10 @@ from sar_planner.rules.outside_rules import OutsideRules
 from sar_planner.rules.paper_rules import OUTSIDE, CornerPlan, NoPathError, Rule
 from sar_planner.strategies.active_corner import ActiveCorner, measured, unusable
 from sar_planner.strategies.deadbeat.rejoining import start_rejoining
-from sar_planner.strategies.deadbeat.state import Decision, State, Tick
+from sar_planner.strategies.deadbeat.state import OUTSIDE_SLOWER, Decision, State, Tick
 
-OUTSIDE_SLOWER = 0.3  # share of V by which a UAV flies slower about the outside of a corner
+WIDER_M = (0.0, 20.0, 40.0)  # planned with, where the wind brings a path nearer than it should
+SHARE_LOOKS, SHARE_CHANGE = 3, 0.02  # at what the wind makes of a plan's speed
 MADE_UP_SHARE = 0.7  # of a leg: on which a lag that an outer corner leaves is made up
 
 
@@ -43,17 +44,15 @@ def plan_corner(state: State, tick: Tick) -> Decision:
     planned = _rule_plan(estimate, frame, state, tick)
     if planned is None:
         return _from_anywhere(estimate, frame, first_stop, state, tick)
-    plan, speed_up = planned
-    uav = situation.uav
-    assert uav is not None
-    active = ActiveCorner(k, estimate, frame, plan, first_stop, uav.speed_mps)
+    plan, speed_up, lead_mps = planned
+    active = ActiveCorner(k, estimate, frame, plan, first_stop, lead_mps)
     slot = tick.slot_frame
     path, flown_m = active.path, active.flown_m(tick.now_s)
     state = replace(state, speed_up=speed_up)
     speed_mps = path_speed_mps(
         tick,
         path.length_m - flown_m,
-        0.0 if plan.rule in OUTSIDE else plan.next_lag_m,
+        0.0 if plan.rule in OUTSIDE else plan.next_lag_m - tick.aim_m,
         helicopter_mps=estimate.speed_mps,
         speed_up=speed_up,
         share=state.efficiency.now,
@@ -66,8 +65,8 @@ def plan_corner(state: State, tick: Tick) -> Decision:
 
 def _rule_plan(
     estimate: CornerEstimate, frame: CornerFrame, state: State, tick: Tick
-) -> tuple[CornerPlan, float] | None:
-    """Return the plan and how much faster than V it is flown.
+) -> tuple[CornerPlan, float, float] | None:
+    """Return the plan, how much faster than V it is flown, and how fast it begins [m/s].
 
     None off the slot track, or where the UAV is to come from the outside of the turn to its inside.
     """
@@ -79,20 +78,63 @@ def _rule_plan(
     on_slot = is_on_track(Pose(pose.x_m, pose.y_m + before_m, pose.heading_rad))
     if not on_slot or before_m < 0.0 < after_m:
         return None
-    parameters, lag_m = measured(estimate, frame, uav, tick.corner)
-    passed_s = tick.now_s - estimate.onset_time_s + tick.mission.reaction_s
-    lead_m = uav.speed_mps * max(0.0, passed_s)
+    passed_s = max(0.0, tick.now_s - estimate.onset_time_s + tick.mission.reaction_s)
     if after_m < 0.0:
-        return _outside_plan(parameters, lag_m, lead_m, tick, -before_m, -after_m)
-    return sped_up_plan(
-        parameters,
-        lag_m,
-        lead_m=lead_m,
-        separations_m=tick.separations_m,
-        speed_ups=speed_ups_of(tick.air, estimate.speed_mps, tick.mission.corner_speed_up),
-        path_efficiency=state.efficiency.share,
-        turn_rad=abs(tick.situation.turn_rad),
-    )
+        parameters, lag_m = measured(estimate, frame, uav, tick.corner)
+        lead_m = uav.speed_mps * passed_s
+        outside = _outside_plan(
+            parameters, lag_m, lead_m, tick, -before_m, -after_m, estimate.stop.heading_rad
+        )
+        return None if outside is None else (*outside, uav.speed_mps)
+    # Its beginning is flown at V by plan: as one that is now where this one is.
+    lead_mps = estimate.speed_mps
+    parameters, lag_m = measured(estimate, frame, uav, tick.corner, lead_mps)
+    lag_m -= (uav.speed_mps - lead_mps) * tick.mission.reaction_s
+    best: tuple[float, CornerPlan, float] | None = None
+    for wider_m in WIDER_M:
+        separations_m = tuple(wider_m + one for one in tick.separations_m)
+        planned = _in_wind(parameters, lag_m, lead_mps, passed_s, frame, separations_m, state, tick)
+        if planned is None:
+            break
+        if best is None or planned[0] > best[0]:
+            best = planned
+        if planned[0] >= tick.corner.separation_m:
+            break
+    return None if best is None else (*best[1:], lead_mps)
+
+
+def _in_wind(
+    parameters: CornerParameters,
+    lag_m: float,
+    lead_mps: float,
+    passed_s: float,
+    frame: CornerFrame,
+    separations_m: tuple[float, ...],
+    state: State,
+    tick: Tick,
+) -> tuple[float, CornerPlan, float] | None:
+    """Return how far apart a plan stays as it will be flown in the wind, the plan, its speed-up."""
+    share, found = 1.0, None
+    for _ in range(SHARE_LOOKS):
+        planned = sped_up_plan(
+            parameters,
+            lag_m,
+            lead_m=lead_mps * passed_s,
+            separations_m=separations_m,
+            speed_ups=speed_ups_of(tick.air, lead_mps, tick.mission.corner_speed_up),
+            path_efficiency=state.efficiency.share * share,
+            turn_rad=abs(tick.situation.turn_rad),
+            aim_m=tick.aim_m,
+        )
+        if planned is None:
+            break
+        plan, speed_up = planned
+        path = TrackedPath(frame, plan.path, 0.0, speed_up * lead_mps, lead_mps * passed_s)
+        before, share = share, tick.speed_share(path)
+        found = tick.apart_m(path), plan, speed_up
+        if abs(share - before) < SHARE_CHANGE:
+            break
+    return found
 
 
 def _outside_plan(
@@ -102,21 +144,25 @@ def _outside_plan(
     tick: Tick,
     from_m: float,
     to_m: float,
+    old_rad: float,
 ) -> tuple[CornerPlan, float] | None:
     """Return the plan to the outside of the turn, and at which share of V it is flown.
+
+    ``old_rad``: the course of the old leg.
 
     Slowly: the UAV passes before the nose of a helicopter that should have left the corner by then,
     and over to the outside it would come out far ahead. What it falls behind by that is made up on
     the leg.
     """
-    speed = parameters.speed_mps
-    slowest = tick.air.speeds_mps(speed, OUTSIDE_SLOWER)[0] / speed
-    faster = tick.speeds_beside_mps(speed)[1] / speed - 1.0
+    speed, new_rad = parameters.speed_mps, old_rad + tick.situation.turn_rad
+    slowest = max(1.0 - OUTSIDE_SLOWER, tick.on_course_mps(old_rad)[0] / speed)
+    fastest = min(1.0 + tick.faster, tick.on_course_mps(new_rad)[1] / speed)
     leg_m = tick.situation.progress.next.length_m or math.inf
-    most_left_m = MADE_UP_SHARE * leg_m * faster + tick.corner.spacing_m
+    made_up_m = MADE_UP_SHARE * leg_m * (fastest - 1.0) if fastest > 1.0 else 0.0
+    most_left_m = tick.aim_m + made_up_m + tick.corner.spacing_m
     # One that is behind passes no sooner than one in its slot that flies as slowly as it may.
     way_m = to_m + parameters.stopping_m
-    slowest = min(max(slowest * (1.0 + lag_m / way_m), slowest), 1.0)
+    slowest = min(max((1.0 - OUTSIDE_SLOWER) * (1.0 + lag_m / way_m), slowest), max(1.0, slowest))
     for separation_m in tick.separations_m:
         for share in (slowest, 0.5 * (slowest + 1.0), 1.0):
             rules = OutsideRules(

@@ -37,8 +37,9 @@ def follow_path(state: State, tick: Tick) -> Decision:
         return Decision(state)
     here = tick.uav_in(path.frame)
     path = path.followed(here, path.speed_mps * (now_s - state.followed_s))
-    efficiency = state.efficiency.watched(now_s, path.flown_m, path.speed_mps)
-    state = replace(state, path=path, followed_s=now_s, efficiency=efficiency)
+    efficiency = state.efficiency.watched(now_s, path.flown_m, tick.flown_mps(path.speed_mps))
+    share = tick.speed_share(path)
+    state = replace(state, path=path, followed_s=now_s, efficiency=efficiency, speed_share=share)
     rest = path.path.cut(min(path.flown_m, path.path.length_m))
     if _is_over(path, rest, tick):
         return follow_leg(state.left(tick), tick)

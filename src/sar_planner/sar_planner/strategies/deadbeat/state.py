@@ -9,8 +9,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import CornerEstimate
+from sar_planner.guidance.flown_speed import FlownPath, airspeed_of, flown
+from sar_planner.guidance.leg_lag import steady
 from sar_planner.guidance.path_efficiency import PathEfficiency
 from sar_planner.guidance.waypoint_lists import Listing
 from sar_planner.guidance.wind_triangle import AirEnvelope
@@ -26,6 +30,7 @@ from sar_planner.strategies.active_corner import ActiveCorner, Mode
 
 MARGIN_SHARE = 0.4  # of the margin: what a path that is flown may have lost of it
 AHEAD_SPACINGS = 2.0  # on a cross leg, onto which the UAV came ahead
+OUTSIDE_SLOWER = 0.3  # share of V by which a UAV flies slower about the outside of a corner
 CROSSING_SLOWER = 0.3  # share of V by which a UAV flies slower on a cross leg
 WATCH_S = 0.39  # between two looks: two decisions at 5 Hz, whatever their times round to
 
@@ -47,10 +52,12 @@ class State:
     ``speed_mps``: the ground speed asked for, None where it is left to the autopilot.
     ``speed_up``: of the path, over V. ``lag_setpoint_m``: kept on legs. ``planned``: the estimate
     that a corner was planned from last; ``done_corner``: the last one that needs no plan any more.
-    ``went_on``: the corner that was predicted was none. ``planned_radius_m``: of turns of the path.
-    ``followed_s``, ``led_s``: when a path, a leg was looked at last; ``corrected_s``: when a path
-    was corrected last; ``retry_s``: before which none is. ``problem``: of the last decision;
-    ``path_problem``, ``corner_problem``: as long as path or corner are flown.
+    ``went_on``: the corner that was predicted was none. ``aim_m``: the lag that the wind asks
+    for. ``planned_radius_m``: of turns of the path. ``speed_share``: what of the path's speed
+    the wind and the airspeeds are expected to let the UAV make good on the rest of it.
+    ``followed_s``, ``led_s``: when a path, a leg was looked at last; ``corrected_s``: when a
+    path was corrected last; ``retry_s``: before which none is. ``problem``: of the last
+    decision; ``path_problem``, ``corner_problem``: as long as path or corner are flown.
     Raises ``ValueError`` for a mode without what it needs, or with what it has no use for.
     """
 
@@ -63,9 +70,11 @@ class State:
     speed_up: float = 1.0
     lag_setpoint_m: float = 0.0
     planned_radius_m: float = 0.0
+    speed_share: float = 1.0
     planned: CornerEstimate | None = None
     done_corner: int = 0
     went_on: bool = False
+    aim_m: float = 0.0
     corrections: int = 0
     retry_s: float = -math.inf
     followed_s: float = -math.inf
@@ -83,9 +92,9 @@ class State:
 
     @property
     def share(self) -> float:
-        """What is made good of the UAV's speed on the path being flown; rejoining, all of it."""
+        """What is made good of the path's speed; rejoining, all that the wind lets it."""
         by_rule = self.corner is not None and self.corner.plan.rule is not Rule.RJ
-        return self.efficiency.now if by_rule else 1.0
+        return self.speed_share * (self.efficiency.now if by_rule else 1.0)
 
     @property
     def flies_outside(self) -> bool:
@@ -109,6 +118,7 @@ class State:
             corner=corner,
             path=path,
             speed_mps=path.speed_mps,
+            speed_share=tick.speed_share(path),
             planned_radius_m=tick.corner.turn_radius_m,
             followed_s=tick.now_s,
             path_problem="",
@@ -129,7 +139,9 @@ class Tick:
     """What a decision is taken from, all of it at ``now_s``.
 
     ``forecasts``: the motion that is expected of the helicopter, then others that must be kept
-    apart from too; none while its leg is not known. ``corner``: with the radius that was learnt.
+    apart from too; none while its leg is not known. The slot of the first is ``aim_m`` [m] behind:
+    what is wanted of the lag for what the wind does along the leg. ``corner``: with the radius that
+    was learnt.
     """
 
     now_s: float
@@ -138,6 +150,7 @@ class Tick:
     corner: CornerParameters
     mission: MissionParameters
     air: AirEnvelope
+    aim_m: float = 0.0
 
     @property
     def expected(self) -> Forecast:
@@ -201,6 +214,38 @@ class Tick:
         uav = self.situation.uav
         assert uav is not None
         return frame.to_frame(uav.pose.offset(uav.speed_mps * (self.now_s + after_s - uav.time_s)))
+
+    def on_course_mps(self, course_rad: float) -> tuple[float, float]:
+        """Return the slowest and the fastest ground speed on a course in the wind over minutes."""
+        return steady(self.air).on_course_mps(course_rad)
+
+    def flown_mps(self, wanted_mps: float) -> float:
+        """Return the ground speed that a UAV is flying at; the wanted where that is not known."""
+        uav = self.situation.uav
+        return wanted_mps if uav is None or math.isinf(self.air.fastest_mps) else uav.speed_mps
+
+    def speed_share(self, path: TrackedPath) -> float:
+        """Return what of its speed the UAV can make good on the rest of a path."""
+        return self.flown(path).share
+
+    def apart_m(self, path: TrackedPath) -> float:
+        """Return the least distance [m] on the rest of a path as the wind lets the UAV fly it."""
+        times_s, points_m, _ = self.flown(path)
+        gaps = (points_m - one.positions(self.now_s + times_s) for one in self.forecasts)
+        return min(float(np.hypot(*gap.T).min()) for gap in gaps)
+
+    def flown(self, path: TrackedPath) -> FlownPath:
+        """Return how the UAV will fly the rest of a path, by the wind and its airspeeds."""
+        uav = self.situation.uav
+        assert uav is not None
+        return flown(
+            path.frame.path_to_map(path.path),
+            path.speed_mps,
+            self.air,
+            airspeed_of(uav, self.air),
+            from_m=path.flown_m,
+            lead_s=self.mission.speed_lead_s,
+        )
 
     def lag_setpoint_m(self, share: float) -> float:
         """Return the lag [m] for legs of a UAV that makes a share of its speed good at corners.

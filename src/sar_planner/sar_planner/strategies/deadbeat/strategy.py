@@ -12,8 +12,10 @@ import math
 from dataclasses import replace
 
 from sar_estimator.common.states import LegEstimate, Phase
+from sar_planner.guidance.leg_lag import drift_m, late_m
 from sar_planner.guidance.path_efficiency import PathEfficiency
 from sar_planner.guidance.waypoint_lists import Listed
+from sar_planner.guidance.wind_triangle import AirEnvelope
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.prediction.situation import Situation
@@ -21,8 +23,17 @@ from sar_planner.strategies.active_corner import Mode
 from sar_planner.strategies.deadbeat.corner_planning import commit_when_due, plan_corner
 from sar_planner.strategies.deadbeat.leg_following import follow_leg, hold, unfit_speed
 from sar_planner.strategies.deadbeat.path_following import follow_path
-from sar_planner.strategies.deadbeat.state import WATCH_S, Decision, State, Tick
+from sar_planner.strategies.deadbeat.state import (
+    OUTSIDE_SLOWER,
+    WATCH_S,
+    Decision,
+    State,
+    Tick,
+)
 from sar_planner.strategies.strategy import Strategy, StrategyReport
+
+MOST_AIM_SPACINGS = 1.2
+"""The most lag that is aimed at for the wind's sake, either way: a corner is flown from there."""
 
 
 class DeadbeatStrategy(Strategy):
@@ -57,7 +68,7 @@ class DeadbeatStrategy(Strategy):
             course_rad=self._course_rad,
             problem="; ".join(note for note in notes if note),
             efficiency=state.efficiency.share,
-            lag_setpoint_m=state.lag_setpoint_m,
+            lag_setpoint_m=state.lag_setpoint_m + state.aim_m,
             corrections=state.corrections,
         )
 
@@ -110,14 +121,7 @@ class DeadbeatStrategy(Strategy):
         if self._learn_radius(on_path=state.path is not None):
             # What wide turns cost in this corner is no bias of the next.
             state = replace(state, efficiency=state.efficiency.cancelled())
-        tick = Tick(
-            now_s,
-            self._s,
-            self._s.forecasts(now_s),
-            self._corner,
-            self._mission,
-            self.lists.air,
-        )
+        tick = tick_at(now_s, self._s, self._corner, self._mission, self.lists.air)
         if tick.forecasts:
             self.lists.side = tick.slot_frame.turn_side
         decision = decide(state, tick)
@@ -127,11 +131,34 @@ class DeadbeatStrategy(Strategy):
         return self.lists.make(decision.listing, self._s.uav)
 
 
+def tick_at(
+    now_s: float,
+    situation: Situation,
+    corner: CornerParameters,
+    mission: MissionParameters,
+    air: AirEnvelope,
+) -> Tick:
+    """Return what a decision is taken from: with the lag that the wind asks for."""
+    forecasts = situation.forecasts(now_s)
+    if not forecasts:
+        return Tick(now_s, situation, forecasts, corner, mission, air)
+    expected, *others = forecasts
+    heading, speed = expected.leg.heading_rad, expected.speed_mps
+    most_m = MOST_AIM_SPACINGS * corner.spacing_m
+    aim_m = drift_m(air, heading, speed, situation.left_m(heading))
+    if situation.progress.stays_outside(heading):
+        way_m = corner.spacing_m + corner.stopping_m
+        aim_m += late_m(air, heading, (1.0 - OUTSIDE_SLOWER) * speed, way_m)
+    aim_m = min(max(aim_m, -most_m), most_m)
+    forecasts = (expected.behind(aim_m), *others)
+    return Tick(now_s, situation, forecasts, corner, mission, air, aim_m)
+
+
 def decide(state: State, tick: Tick) -> Decision:
     """Return what is to be done: the corner ahead first, then the path, then the leg."""
     situation = tick.situation
     given_up = situation.went_on and not state.went_on
-    state = replace(state, problem="", led_s=-math.inf, went_on=situation.went_on)
+    state = replace(state, problem="", led_s=-math.inf, went_on=situation.went_on, aim_m=tick.aim_m)
     if not tick.forecasts:
         problem = "helicopter's leg not known: the UAV stays on its list"
         return Decision(replace(state, problem=problem))

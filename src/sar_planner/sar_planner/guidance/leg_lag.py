@@ -1,0 +1,45 @@
+"""The lag to have on a leg in wind, so that the corner at its end begins as it should. Pure.
+
+Where the airspeeds do not allow V over ground on a course, a UAV falls behind, or comes ahead, all
+along the leg. It begins the leg as far ahead, or behind, as it will lose, or gain.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from sar_planner.guidance.wind_triangle import AirEnvelope
+
+GUST_SIGMAS = 0.8
+"""Kept in hand for what a leg's own mean wind may be more than that over minutes."""
+
+
+def steady(air: AirEnvelope) -> AirEnvelope:
+    """Return the same airspeeds in the wind over minutes, where that is known."""
+    return air if air.steady is None else replace(air, wind_mps=air.steady.mean_mps)
+
+
+def drift_m(air: AirEnvelope, course_rad: float, speed_mps: float, left_m: float) -> float:
+    """Return the lag [m] that is gone after ``left_m`` more of a leg beside a helicopter.
+
+    ``speed_mps``: the helicopter's. Below 0 where the UAV will fall behind, above where it will
+    come ahead, 0 where it can keep its place in gusts, too.
+    """
+    if air.steady is None:
+        return 0.0
+    slowest, fastest = steady(air).on_course_mps(course_rad)
+    gusts = GUST_SIGMAS * air.steady.gusts_mps
+    falls_behind = max(0.0, speed_mps + gusts - fastest)
+    comes_ahead = max(0.0, slowest + gusts - speed_mps)
+    if falls_behind > 0.0 and comes_ahead > 0.0:
+        return 0.0
+    return (comes_ahead - falls_behind) * left_m / speed_mps
+
+
+def late_m(air: AirEnvelope, course_rad: float, slow_mps: float, way_m: float) -> float:
+    """Return the lag [m] with which a way is ended no sooner than without one at ``slow_mps``.
+
+    ``way_m``: on that course. 0 where the UAV can fly as slowly.
+    """
+    slowest = steady(air).on_course_mps(course_rad)[0]
+    return max(0.0, slowest / slow_mps - 1.0) * way_m
