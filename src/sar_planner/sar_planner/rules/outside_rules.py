@@ -29,7 +29,6 @@ from sar_planner.prediction.separation import (
     closest_over_time,
     corner_forecast,
     least_apart_m,
-    sampling_slack_m,
 )
 from sar_planner.rules.paper_rules import CornerPlan, NoPathError, Rule
 
@@ -101,11 +100,8 @@ class OutsideRules:
         return self._in_slot.slot_x_m(arrival_s) - self._frame.to_frame(path.end).x_m
 
     def closest_m(self, path: FlightPath) -> float:
-        """Return the least distance of a path [m], certain not to be more than the true one."""
-        p = self.parameters
-        slack = sampling_slack_m(p.separation_m, p.turn_radius_m)
-        apart = least_apart_m(path, (self._in_corner,), start_s=0.0, speed_mps=self._speed_mps)
-        return apart - slack
+        """Return the least distance of a path [m], a lower bound: ``least_apart_m``."""
+        return least_apart_m(path, (self._in_corner,), start_s=0.0, speed_mps=self._speed_mps)
 
     def closest(self, path: FlightPath) -> ClosestApproach:
         """Return the closest approach of a path."""
