@@ -10,6 +10,7 @@ from sar_estimator.common.states import CornerEstimate, Motion
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.paths.flight_path import CornerFrame, FlightPath
+from sar_planner.prediction.tube import SureApart
 from sar_planner.rules.paper_rules import CornerPlan
 
 
@@ -26,7 +27,11 @@ class Mode(enum.StrEnum):
 
 @dataclass(frozen=True)
 class ActiveCorner:
-    """The corner being flown: ``k`` from 1, the estimate it was planned from, and the plan."""
+    """The corner being flown: ``k`` from 1, the estimate it was planned from, and the plan.
+
+    ``sure``: what the newest list keeps from a tube of such corners, None where that is not known:
+    once the helicopter has stopped.
+    """
 
     k: int
     estimate: CornerEstimate
@@ -35,6 +40,7 @@ class ActiveCorner:
     first_stop: Pose
     uav_speed_mps: float
     committed: bool = False
+    sure: SureApart | None = None
 
     @property
     def path(self) -> FlightPath:

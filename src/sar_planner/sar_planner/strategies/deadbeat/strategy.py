@@ -22,6 +22,7 @@ from sar_planner.strategies.deadbeat.corner_planning import commit_when_due, pla
 from sar_planner.strategies.deadbeat.leg_following import follow_leg, hold, unfit_speed
 from sar_planner.strategies.deadbeat.path_following import follow_path
 from sar_planner.strategies.deadbeat.state import WATCH_S, Decision, State, Tick
+from sar_planner.strategies.deadbeat.surely_apart import with_sure
 from sar_planner.strategies.strategy import Strategy, StrategyReport
 
 
@@ -124,6 +125,7 @@ class DeadbeatStrategy(Strategy):
         self.state = decision.state
         if decision.listing is None or self._s.uav is None:
             return None
+        self.state = with_sure(decision.state, tick)
         return self.lists.make(decision.listing, self._s.uav)
 
 
