@@ -40,6 +40,7 @@ setup(
             "receiver = sar_sim.trials.receiver_cli:main",
             "receiver_logs = sar_sim.trials.receiver_logs_cli:main",
             "rejoin_trials = sar_sim.trials.rejoin_trials_cli:main",
+            "separation_trials = sar_sim.trials.separation_trials_cli:main",
             "results = sar_sim.results.results_cli:main",
             "rules_figure = sar_sim.results.rules_figure_cli:main",
             "detection = sar_sim.campaign.detection_cli:main",

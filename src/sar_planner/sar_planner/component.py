@@ -259,10 +259,13 @@ class PlannerComponent(Component):
             found.append((topics.PATTERN, ahead))
         return found
 
-    def health(self, now_s: float) -> Health:  # noqa: ARG002
+    def health(self, now_s: float) -> Health:
         """Return what it does, and why it does not do more."""
         planner = self.planner
         report = planner.report
+        sure = None if report.corner is None else report.corner.sure
+        if sure is not None and sure.until_s < now_s:
+            sure = None
         return Health(
             self.name,
             planner.problem,
@@ -274,6 +277,8 @@ class PlannerComponent(Component):
                 "phase": planner.situation.phase,
                 "lag_m": _figure(planner.lag_m()),
                 "separation_m": _figure(planner.situation.separation_m()),
+                "tube_m": _figure(None if sure is None else sure.distance_m),
+                "tube_s": _figure(None if sure is None else sure.until_s - now_s),
                 "speed_asked_mps": _figure(planner.speed_mps),
                 "airspeed_asked_mps": _figure(planner.airspeed_mps),
                 "wind_mps": f"{math.hypot(*planner.wind_mps):.1f}",
@@ -322,6 +327,8 @@ def corner_outputs(active: ActiveCorner, waypoints: PlannedList) -> Outputs:
         turn_radius_m=plan.parameters.turn_radius_m,
         stop=estimate.stop,
         first_stop=active.first_stop,
+        tube_m=None if active.sure is None else active.sure.distance_m,
+        tube_until_s=None if active.sure is None else active.sure.until_s,
     )
     curve = WaypointList(waypoints.list_id, waypoints.time_s, active.path.sample(CURVE_STEP_M))
     return [(topics.CORNER_PLAN, record), (topics.CORNER_PATH, curve)]

@@ -1,6 +1,7 @@
 """The monitor's prediction of a UAV that follows a list."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -44,6 +45,15 @@ def test_the_prediction_is_what_arduplane_flies(points):
     off = np.hypot(*(path - flown(points, 60.0)).T)
     assert off[: round(20.0 / STEP_S)].max() < 5.0
     assert off.max() < 12.0
+
+
+@pytest.mark.parametrize("points", [CORNER, WEAVE, CORNER[::-1].copy()])
+def test_the_prediction_bends_no_more_than_is_said(points):
+    tuning = replace(TUNING, roll_limit_deg=30.0)
+    path = follow(EAST, Route(points, EAST), tuning=tuning, cruise_mps=24.0)
+    bent = np.hypot(*np.diff(path, n=2, axis=0).T) / STEP_S**2
+    # Its turn rate is limited by the speed before a step, which changes by up to 2.5 % in one.
+    assert 0.5 * tuning.most_mps2 < bent.max() <= 1.025 * tuning.most_mps2
 
 
 def test_a_path_can_be_left_where_it_ends():

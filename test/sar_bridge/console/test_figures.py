@@ -25,6 +25,12 @@ def test_they_are_told_with_units(well):
     assert not any(figure.is_stale for figure in figures(well))
 
 
+def test_what_a_corners_list_is_sure_to_keep_is_shown_while_it_is_told(well, with_node):
+    assert by_name(well)["least apart, sure"].text == "–"
+    at_corner = with_node(well, "planner", tube_m="187.4", tube_s="12.6")
+    assert by_name(at_corner)["least apart, sure"].text == "187 m for 13 s"
+
+
 def test_names_never_change(well):
     assert list(by_name(Snapshot())) == list(by_name(well))
     assert all(figure.is_stale for figure in figures(Snapshot()))

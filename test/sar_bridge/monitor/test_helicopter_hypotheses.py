@@ -1,6 +1,7 @@
 """The monitor's hypotheses about the helicopter."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -290,3 +291,22 @@ def test_who_is_seen_to_leave_a_corner_does_not_leave_it_another_way(
     assert bool({"leaves outside", "turns outside"} & found) is outside
     assert bool({"leaves straight on", "goes on"} & found) is onward
     assert found & {"leaves inside", "turns inside"}
+
+
+@pytest.mark.parametrize("phase", list(Phase))
+@pytest.mark.parametrize("after_s", [2.0, 6.0, 11.0, 19.0])
+def test_no_future_bends_more_than_it_says(phase, after_s):
+    """Else what is taken off between two times would be too little."""
+    truth = pattern()
+    first = truth.corners[0]
+    now = first.onset_time_s + after_s
+    corner = replace(corner_of(first, now), accel_mps2=3.5)
+    step = 0.05
+    helicopter = Helicopter(HABITS)
+    helicopter.phase, helicopter.corner = Phase.CRUISE, corner
+    helicopter.set_motion(truth.motion(now))
+    helicopter.phase = phase
+    for future in helicopter.futures(now, np.arange(0.0, 40.0, step)):
+        bent = np.hypot(*np.diff(future.positions, n=2, axis=0).T) / step**2
+        assert 2.0 <= future.most_mps2 <= 3.5
+        assert bent.max() <= future.most_mps2 + 1e-6, future.name

@@ -26,6 +26,15 @@ def test_json_of_a_fixed_curve(capsys):
     assert sum(part["length_m"] for part in values["segments"]) == pytest.approx(values["length_m"])
 
 
+def test_what_is_sure_in_the_tube_is_told(capsys):
+    _, out, _ = run(capsys, "--lag", "300", "--lead", "60", "--json")
+    values = json.loads(out)
+    assert 120.0 < values["sure_m"] < values["closest_approach_m"]
+    assert 15.0 < values["sure_until_s"] < 20.0
+    _, out, _ = run(capsys, "--lag", "300", "--lead", "60")
+    assert f"sure in its tube  {values['sure_m']:.1f} m until" in out
+
+
 def test_left_over_options_reach_the_parameters(capsys, tmp_path):
     params = tmp_path / "corner.yaml"
     params.write_text("convergence: 0.25\n", encoding="utf-8")

@@ -1,5 +1,3 @@
-import math
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,16 +5,17 @@ from hypothesis import strategies as st
 
 from sar_estimator.common.pose import Pose
 from sar_planner.parameters.corner import CornerParameters
+from sar_planner.paths.apart_kernels import TOLERANCE_M
 from sar_planner.paths.flight_path import FlightPath, Straight
 from sar_planner.prediction.forecast import cornering, cruising
 from sar_planner.prediction.separation import (
+    apart_for_m,
     beside_apart_m,
     closest_approach,
     closest_over_time,
     corner_forecast,
     least_apart_m,
     least_distances_m,
-    sampling_slack_m,
 )
 from sar_planner.rules.deadbeat_paths import slot_frame
 from sar_planner.rules.deadbeat_rules import DeadbeatRules
@@ -69,7 +68,7 @@ def test_closest_approach_is_what_a_fine_search_finds(lag):
 
 @settings(max_examples=60)
 @given(st.floats(-500.0, 1400.0), st.floats(0.0, 8.0))
-def test_the_distance_looked_at_in_steps_is_hardly_above_the_closest_approach(lag, hover_s):
+def test_the_least_distance_is_bounded_from_below_by_no_more_than_a_tolerance(lag, hover_s):
     path = AUTOMATON.plan(lag).path
     corner = corner_forecast(P)
     longer = cornering(
@@ -80,8 +79,9 @@ def test_the_distance_looked_at_in_steps_is_hardly_above_the_closest_approach(la
         for one in (corner, longer)
     )
     found = least_apart_m(path, (corner, longer), start_s=1.0, speed_mps=18.0)
-    # Less where it looks a last step beyond the end, the helicopter 2 m/s faster.
-    assert least - 0.4 <= found <= math.hypot(least, 4.0) + 0.2
+    assert least - TOLERANCE_M - 0.01 <= found <= least
+    soon = apart_for_m(path, longer, 5.0, start_s=1.0, speed_mps=18.0)
+    assert soon >= found - TOLERANCE_M
 
 
 @settings(max_examples=60)
@@ -113,18 +113,18 @@ def test_every_paths_least_distance_is_what_a_fine_look_finds(lag, lead, path_ef
         flown += over * (P.speed_mps / speed - 1.0)
         gap = path.points(flown) - forecast.positions(times)
         least = float(np.hypot(*gap.T).min())
-        slack = sampling_slack_m(max(least, 1.0), P.turn_radius_m)
-        assert least - 0.02 <= distance <= least + slack + 0.02
-        if least > 100.0:
-            enough = least_distances_m(
+        assert least - TOLERANCE_M - 0.02 <= distance <= least
+        for kept_m in (least - 1.0, least + 1.0):
+            kept = least_distances_m(
                 batch.take([i]),
                 forecast,
                 start_s=0.0,
                 speeds_mps=speed,
                 lead_mps=P.speed_mps,
-                enough_m=least + 5.0,
+                kept_m=kept_m,
             )
-            assert least - 0.02 <= enough[0] < least + 5.0
+            assert (kept[0] >= kept_m) == (kept_m < least)
+            assert kept[0] <= least or kept[0] < kept_m
 
 
 def test_a_uav_beside_its_path_is_looked_at_where_it_is():

@@ -113,8 +113,10 @@ def test_the_soonest_capture_is_that_of_all_of_its_kind(start, name):
         batch = problem.solve(
             problem.arcs(turn_1, turn_to(h1, h2, sides[1]), sides[2]), search.task.ahead_m
         )
-        distances = search.distances_m(_Found(batch.rows, np.full(len(batch), speed)))
-        kept = batch.lengths_m[distances >= search.needed_m] / speed
+        needed_m = search.task.separation_m
+        found = _Found(batch.rows, np.full(len(batch), speed))
+        distances = search.distances_m(found, kept_m=needed_m)
+        kept = batch.lengths_m[distances >= needed_m] / speed
         found = search.soonest(speed, last, sides, (grid, grid), math.inf)
         if kept.size == 0:
             assert found is None

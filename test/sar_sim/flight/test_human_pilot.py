@@ -1,5 +1,6 @@
 """A human pilot: he hovers, turns otherwise, changes his mind, drifts, breaks off."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -32,6 +33,27 @@ def test_one_corner_otherwise(name):
     assert flown.separation_m >= LEAST_M
     # The third corner is the odd one; three normal ones follow.
     assert abs(flown.lags_m[5]) <= 15.0
+
+
+def test_what_a_corners_list_is_sure_to_keep_is_kept():
+    """From every list on, till the time that is told with it, by the aircraft's true places."""
+    flight = OfflineFlight(load_scenario(find_scenario("human")))
+    told = {}
+
+    def look(world):
+        corner = flight.planner.active
+        if corner is not None and corner.sure is not None:
+            told.setdefault(corner.sure, math.inf)
+        there, here = world.helicopter.motion(world.time_s), world.autopilot.motion
+        apart = math.hypot(here.x_m - there.x_m, here.y_m - there.y_m)
+        for sure, least in told.items():
+            if world.time_s <= sure.until_s:
+                told[sure] = min(least, apart)
+
+    flight.run(observe=look)
+    assert len(told) >= 8
+    assert all(sure.distance_m <= least for sure, least in told.items())
+    assert max(least - sure.distance_m for sure, least in told.items()) < 200.0
 
 
 def test_search_broken_off():

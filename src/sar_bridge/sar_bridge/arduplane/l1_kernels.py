@@ -119,19 +119,34 @@ def is_passed(
     return onward >= 0.0 or math.hypot(dx, dy) < REACHED_M
 
 
-@compiled("Tuple((float64[::1], float64[::1]))(float64[:, ::1], float64[:, :], float64[::1], f8)")
+@compiled(
+    "Tuple((float64[::1], float64[::1]))(float64[:, ::1], float64[:, :], float64[::1], f8, f8)"
+)
 def apart(
-    path: FloatArray, positions: FloatArray, sigma: FloatArray, beside: float
+    path: FloatArray, positions: FloatArray, sigma: FloatArray, beside: float, bulge_m: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return how far a path is from positions of the same times, and how sure that is [m].
+    """Return how near a path comes to positions of the same times, and how sure that is [m].
 
-    Shapes (n, 2), (n or more, 2), (n or more,); ``beside``: the standard deviation of the path.
+    In the step that ends at each time; the first is the distance at the first time. Within a step
+    the gap goes along a straight, or no more than ``bulge_m`` beside it. Shapes (n, 2), (n or more,
+    2), (n or more,); ``beside``: the standard deviation of the path.
     """
     count = path.shape[0]
     distance, deviation = np.empty(count), np.empty(count)
+    before_x = before_y = 0.0
     for i in range(count):
-        distance[i] = math.hypot(path[i, 0] - positions[i, 0], path[i, 1] - positions[i, 1])
+        x, y = path[i, 0] - positions[i, 0], path[i, 1] - positions[i, 1]
         deviation[i] = math.hypot(sigma[i], beside)
+        distance[i] = math.hypot(x, y)
+        if i > 0:
+            way_x, way_y = x - before_x, y - before_y
+            way2 = way_x * way_x + way_y * way_y
+            # How far back along the step the gap is the least, as a share of it.
+            back = (x * way_x + y * way_y) / way2 if way2 > 0.0 else 0.0
+            back = min(max(back, 0.0), 1.0)
+            least = math.hypot(x - back * way_x, y - back * way_y)
+            distance[i] = max(least - bulge_m, 0.0)
+        before_x, before_y = x, y
     return distance, deviation
 
 

@@ -70,6 +70,16 @@ class FollowerTuning:
         airspeed = min(max(needed, self.slowest_mps), self.fastest_mps)
         return float(l1_kernels.over_ground(airspeed, ux, uy, *wind_mps))
 
+    @property
+    def pull_mps2(self) -> float:
+        """The most lateral acceleration [m/s^2]."""
+        return self.turn_share * G_MPS2 * math.tan(math.radians(self.roll_limit_deg))
+
+    @property
+    def most_mps2(self) -> float:
+        """The most acceleration in any direction [m/s^2]."""
+        return math.hypot(self.pull_mps2, ACCEL_MPS2)
+
 
 class Route:
     """A waypoint list and how far along it the UAV is.
@@ -162,8 +172,7 @@ def handling(
     given[l1_kernels.LAG_SHARE] = -math.expm1(-step_s / max(tuning.roll_lag_s, 1e-3))
     given[l1_kernels.L1_S] = l1_s
     given[l1_kernels.GAIN] = 4.0 * tuning.damping**2 * tuning.turn_share / l1_s
-    bank = math.radians(tuning.roll_limit_deg)
-    given[l1_kernels.PULL_MPS2] = tuning.turn_share * G_MPS2 * math.tan(bank)
+    given[l1_kernels.PULL_MPS2] = tuning.pull_mps2
     given[l1_kernels.CRUISE_MPS] = math.nan if cruise_mps is None else cruise_mps
     given[l1_kernels.CHANGE_MPS] = ACCEL_MPS2 * step_s
     given[l1_kernels.WIND_X], given[l1_kernels.WIND_Y] = wind_mps

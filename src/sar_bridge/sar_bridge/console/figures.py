@@ -32,6 +32,7 @@ def figures(snapshot: Snapshot) -> list[Figure]:
         Figure("UAV higher by", _metres(snapshot.vertical_m), lost),
         Figure("lag L", _metres(snapshot.lag_m), no_planner),
         Figure("rule", snapshot.rule or NONE, no_planner),
+        Figure("least apart, sure", _sure(snapshot), no_planner, is_small=True),
         Figure("lag at corners", lags, no_planner, is_wide=True, is_small=True),
         Figure("UAV mode", snapshot.status.mode or NONE, no_bridge, is_small=True),
         Figure("airspeed", _airspeed(snapshot), no_bridge, is_small=True),
@@ -40,6 +41,13 @@ def figures(snapshot: Snapshot) -> list[Figure]:
         Figure("battery", _battery(snapshot), no_bridge, is_small=True),
         Figure("helicopter", _flies(snapshot), snapshot.is_stale("estimator"), is_small=True),
     ]
+
+
+def _sure(snapshot: Snapshot) -> str:
+    """Return what the list at a corner keeps whatever the corner is like, and for how long."""
+    planner = snapshot.node("planner")
+    kept, lasts = ("", "") if planner is None else map(planner.value, ("tube_m", "tube_s"))
+    return f"{float(kept):.0f} m for {float(lasts):.0f} s" if kept and lasts else NONE
 
 
 def _flies(snapshot: Snapshot) -> str:

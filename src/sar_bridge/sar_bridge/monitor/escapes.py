@@ -22,20 +22,37 @@ AWAY_SHARE = 0.02
 
 
 class Apart(NamedTuple):
-    """How far a path is from a future [m], and the standard deviation of that, shapes (n,)."""
+    """How near a path comes to a future [m], and the standard deviation of that, shapes (n,).
+
+    In the step that ends at each time; the first is now.
+    """
 
     future: Future
     distance_m: FloatArray
     sigma_m: FloatArray
 
 
-def apart(path: FloatArray, futures: list[Future], beside_m: float) -> list[Apart]:
-    """Return how far a path, shape (n, 2) [m], is from every future, and how sure that is.
+def apart(
+    path: FloatArray, futures: list[Future], beside_m: float, most_mps2: float
+) -> list[Apart]:
+    """Return how near a path, shape (n, 2) [m], comes to every future, and how sure that is.
 
-    ``beside_m``: the standard deviation of the UAV's position about the path [m].
+    A lower bound: with relative accelerations up to A the gap goes no farther than A h^2 / 8 beside
+    the straight between its places at both ends of a step of h. ``beside_m``: the standard
+    deviation of the UAV's position about the path [m]; ``most_mps2``: its most acceleration.
     """
+    share = 0.125 * STEP_S**2
     return [
-        Apart(future, *l1_kernels.apart(path, future.positions, future.sigma_m, beside_m))
+        Apart(
+            future,
+            *l1_kernels.apart(
+                path,
+                future.positions,
+                future.sigma_m,
+                beside_m,
+                share * (most_mps2 + future.most_mps2),
+            ),
+        )
         for future in futures
     ]
 

@@ -8,7 +8,7 @@ is *possible*. Positions are in the map frame [m], times in seconds.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -37,6 +37,7 @@ class Future:
     """One hypothesis: positions, shape (n, 2) [m], at the times asked for.
 
     ``sigma_m``: their standard deviation in any direction, shape (n,) [m]. ``who``: of whom.
+    ``most_mps2``: the most acceleration on the way.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Future:
     sigma_m: FloatArray
     likely: bool = field(default=False, kw_only=True)
     who: str = field(default="the helicopter", kw_only=True)
+    most_mps2: float = field(default=0.0, kw_only=True)
 
 
 class Helicopter(SeenHelicopter):
@@ -60,7 +62,14 @@ class Helicopter(SeenHelicopter):
             Phase.LOST: self._lost,
         }.get(self.phase, self._cruising)
         ahead_s = now_s - self.motion.time_s
-        return maker(self.motion, ahead_s, now_s, times_s)
+        found = maker(self.motion, ahead_s, now_s, times_s)
+        return [replace(future, most_mps2=self._most_mps2) for future in found]
+
+    @property
+    def _most_mps2(self) -> float:
+        """The most acceleration of any hypothesis [m/s^2]."""
+        slowing = 0.0 if self.corner is None else self.corner.accel_mps2
+        return max(self.model.accel_mps2, slowing)
 
     def _stop(self, here: Pose, speed: float, now_s: float) -> tuple[Pose, float, float]:
         """Return where it will stand when it stops, in how long [s], and its deceleration."""

@@ -49,7 +49,14 @@ class OtherFutures:
                 wind_mps=wind_mps,
                 horizon_s=float(times[-1]) + skipped * STEP_S,
             )[skipped:]
-        return Future("flies on", places, np.zeros(len(times)), likely=True, who=one.name)
+        return Future(
+            "flies on",
+            places,
+            np.zeros(len(times)),
+            likely=True,
+            who=one.name,
+            most_mps2=FollowerTuning().most_mps2,
+        )
 
     def _route(self, one: OtherUav, flown: WaypointList) -> Route:
         """Return the list that another flies as far as it has flown it."""

@@ -146,8 +146,8 @@ class Outlook:
         return min(max(seen, (1.0 - PLANNED_SHARE) * cruise), (1.0 + PLANNED_SHARE) * cruise)
 
     def apart(self, path: FloatArray, futures: list[Future]) -> list[Apart]:
-        """Return how far a path is from every future."""
-        return apart(path, futures, self._p.follow_sigma_m)
+        """Return how near a path comes to every future, from step to step."""
+        return apart(path, futures, self._p.follow_sigma_m, self.tuning.most_mps2)
 
     def closest(
         self, near: list[Apart], sigmas: float, horizon_s: float, *, only_likely: bool = False

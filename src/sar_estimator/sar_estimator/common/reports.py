@@ -139,7 +139,8 @@ class CornerRecord:
     ``lag_m``, ``next_lag_m``: L(k), and L(k+1) as predicted. ``length_m``: of the path. The corner
     as it was estimated at ``estimated_at_s``: onset and stop [s], V and a, the stop with the
     heading that the helicopter comes with, and where it was expected at first. ``turn_radius_m``:
-    that the path is planned with.
+    that the path is planned with. ``tube_m``: what the path keeps until ``tube_until_s``, whatever
+    of a tube of corners it is [m]; None where that is not known.
     """
 
     k: int
@@ -157,6 +158,8 @@ class CornerRecord:
     turn_radius_m: float
     stop: Pose
     first_stop: Pose
+    tube_m: float | None = None
+    tube_until_s: float | None = None
 
 
 class Uploaded(NamedTuple):

@@ -15,9 +15,11 @@ import yaml
 from sar_estimator.common.checked import read
 from sar_planner.cli.pattern_corners import corners_of, line_of
 from sar_planner.parameters.corner import RULE_SETS, CornerParameters, ParameterError
+from sar_planner.parameters.mission import MissionParameters
 from sar_planner.patterns.legs import CORNERS, PatternTerms
 from sar_planner.patterns.slot import Slot
-from sar_planner.prediction.separation import ClosestApproach, closest_approach
+from sar_planner.prediction.separation import ClosestApproach, closest_approach, corner_forecast
+from sar_planner.prediction.tube import SureApart, sure_apart, tube_about
 from sar_planner.rules.deadbeat_automaton import DeadbeatAutomaton
 from sar_planner.rules.deadbeat_rules import DeadbeatRules
 from sar_planner.rules.outside_rules import OutsideRules
@@ -87,7 +89,22 @@ def _parameters(args: argparse.Namespace) -> CornerParameters:
     return read(CornerParameters, values)
 
 
-def summary(plan: CornerPlan, nearest: ClosestApproach) -> dict[str, object]:
+def sure_of(plan: CornerPlan, turn_rad: float) -> SureApart:
+    """Return what a path keeps from all of the tube about its corner, flown at V from the onset."""
+    tube = tube_about(corner_forecast(plan.parameters, turn_rad), 0.0, 0.0)
+    assert tube is not None
+    sure = sure_apart(
+        plan.path,
+        tube,
+        start_s=0.0,
+        speed_mps=plan.parameters.speed_mps,
+        reaction_s=MissionParameters().reaction_s,
+    )
+    assert sure is not None
+    return sure
+
+
+def summary(plan: CornerPlan, nearest: ClosestApproach, sure: SureApart) -> dict[str, object]:
     """Return the plan as the JSON object that ``corner --json`` prints."""
     return {
         "rule": str(plan.rule),
@@ -96,6 +113,8 @@ def summary(plan: CornerPlan, nearest: ClosestApproach) -> dict[str, object]:
         "length_m": plan.path.length_m,
         "closest_approach_m": nearest.distance_m,
         "closest_approach_s": nearest.time_s,
+        "sure_m": sure.distance_m,
+        "sure_until_s": sure.until_s,
         "segments": [
             {"kind": type(part).__name__.lower(), "length_m": part.length_m}
             | ({"turn_rad": part.turn_rad} if hasattr(part, "turn_rad") else {})
@@ -105,8 +124,11 @@ def summary(plan: CornerPlan, nearest: ClosestApproach) -> dict[str, object]:
     }
 
 
-def _print_plan(plan: CornerPlan, nearest: ClosestApproach, *, as_json: bool) -> None:
-    values = summary(plan, nearest)
+def _print_plan(
+    plan: CornerPlan, nearest: ClosestApproach, turn_rad: float, *, as_json: bool
+) -> None:
+    sure = sure_of(plan, turn_rad)
+    values = summary(plan, nearest, sure)
     if as_json:
         sys.stdout.write(json.dumps(values) + "\n")
         return
@@ -117,6 +139,7 @@ def _print_plan(plan: CornerPlan, nearest: ClosestApproach, *, as_json: bool) ->
         f"path length       {plan.path.length_m:.3f} m\n"
         f"closest approach  {values['closest_approach_m']:.2f} m"
         f" at {values['closest_approach_s']:.2f} s\n"
+        f"sure in its tube  {values['sure_m']:.1f} m until {values['sure_until_s']:.1f} s\n"
         "path, m (x along the old leg, y to its left, origin at the corner):\n"
     )
     for x, y in plan.path.sample(5.0):
@@ -146,7 +169,7 @@ def _one_rule_set(args: argparse.Namespace, parameters: CornerParameters) -> Non
         _graph(f"{SIDES[args.side]}, {args.turn:g} degrees", rules, args.lead)
     if args.lag is not None:
         plan = rules.plan(args.lag, lead_m=args.lead, separation_m=parameters.separation_m)
-        _print_plan(plan, rules.closest(plan.path), as_json=args.json)
+        _print_plan(plan, rules.closest(plan.path), turn_rad, as_json=args.json)
 
 
 def _graph(name: str, rules: DeadbeatRules | OutsideRules, lead_m: float) -> None:
@@ -199,7 +222,8 @@ def main(argv: list[str] | None = None) -> int:
         if args.lag is not None:
             plan = _plan(automaton, args.lag, args.rule, args.lead)
             nearest = closest_approach(plan.path, plan.parameters)
-            _print_plan(plan, nearest, as_json=args.json)
+            turn_rad = math.radians(RIGHT_ANGLE_DEG)
+            _print_plan(plan, nearest, turn_rad, as_json=args.json)
     except (ParameterError, NoPathError, ValueError, OSError) as error:
         sys.stderr.write(f"corner: {error}\n")
         return 2

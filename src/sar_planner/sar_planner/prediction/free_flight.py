@@ -14,6 +14,7 @@ from sar_estimator.common.states import Motion
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.paths.flight_path import FlightPath
 from sar_planner.prediction.forecast import Forecast, Stretch, departing
+from sar_planner.prediction.separation import apart_for_m
 from sar_planner.prediction.situation import Situation
 
 STANDING_MPS = 5.0
@@ -23,7 +24,6 @@ CIRCLES_RAD = math.radians(45.0)
 STRAIGHT_S, STRAIGHT_RAD = 10.0, math.radians(20.0)
 LEAVES_CIRCLE_S = 12.0
 ARC_S, ARC_STEP_S = 300.0, 2.0
-APART_STEP_S = 0.5
 FRONT_M = 1000.0
 """Ahead of the helicopter, within which the UAV does not cross its track."""
 FRONT_STEP_S = 2.0
@@ -42,15 +42,19 @@ def least_apart_m(
 ) -> float:
     """Return the least distance [m] to all that is possible of a path, while it is flown.
 
-    ``start_s``: when it is begun. Infinite where nothing is possible.
+    A lower bound: ``apart_for_m``. ``start_s``: when it is begun. Infinite where nothing is
+    possible.
     """
-    times = np.arange(0.0, path.length_m / speed_mps, APART_STEP_S)
-    flown, least_m2 = path.points(times * speed_mps), math.inf
-    for one in possible:
-        count = int(np.searchsorted(times, one.for_s))
-        gaps = flown[:count] - one.forecast.positions(start_s + times[:count])
-        least_m2 = min(least_m2, float(np.square(gaps).sum(axis=1).min(initial=math.inf)))
-    return math.sqrt(least_m2)
+    flown_s = path.length_m / speed_mps
+    return min(
+        (
+            apart_for_m(
+                path, one.forecast, min(flown_s, one.for_s), start_s=start_s, speed_mps=speed_mps
+            )
+            for one in possible
+        ),
+        default=math.inf,
+    )
 
 
 class FreeFlight:

@@ -10,14 +10,18 @@ import numpy as np
 
 from sar_estimator.common.pose import Pose
 from sar_planner.parameters.corner import CornerParameters
+from sar_planner.paths.apart_kernels import (
+    knots_for,
+    least_apart,
+    least_apart_of_each,
+    least_until,
+)
 from sar_planner.paths.flight_path import FlightPath, FloatArray
-from sar_planner.paths.kernels import SAMPLE_M, least_apart, least_apart_of_each
 from sar_planner.paths.slot_intercept import PathBatch, radii_m
 from sar_planner.prediction.forecast import Forecast, cornering
 
 STANDING_S = 60.0
 BESIDE_S = 6.0
-BESIDE_STEP_S = 0.25
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,29 +95,29 @@ def closest_over_time(
 def least_apart_m(
     path: FlightPath, forecasts: Sequence[Forecast], *, start_s: float, speed_mps: float
 ) -> float:
-    """Return the least distance [m] of a path to any of several forecasts.
+    """Return the least distance [m] of a path to any of several forecasts, a lower bound.
 
-    Looked at every ``SAMPLE_M`` of its way (``sampling_slack_m``). Each forecast is looked at for
-    as long as by ``closest_over_time``.
+    No more than ``TOLERANCE_M`` below it (``apart_kernels``). Each forecast is looked at for as
+    long as by ``closest_over_time``.
     """
-    parts = path.parts
+    pace = (0.0, speed_mps, path.length_m, speed_mps, speed_mps)
     least = math.inf
     for forecast in forecasts:
-        one = least_apart(
-            parts,
-            path.length_m,
-            forecast.table,
-            start_s,
-            forecast.steady_s,
-            speed_mps,
-            speed_mps,
-            0.0,
-            speed_mps,
-            SAMPLE_M,
-            0.0,
-        )
+        table = forecast.table
+        knots = knots_for(path.parts.shape[1], table.shape[1])
+        one = least_apart(path.parts, pace, table, start_s, forecast.steady_s, 0.0, least, knots)
         least = min(least, one)
     return least
+
+
+def apart_for_m(
+    path: FlightPath, forecast: Forecast, for_s: float, *, start_s: float, speed_mps: float
+) -> float:
+    """Return the least distance [m], a lower bound as ``least_apart_m``, for so long."""
+    pace = (0.0, speed_mps, path.length_m, speed_mps, speed_mps)
+    table = forecast.table
+    knots = knots_for(path.parts.shape[1], table.shape[1])
+    return least_until(path.parts, pace, table, start_s, for_s, 0.0, math.inf, knots)
 
 
 def beside_apart_m(
@@ -126,23 +130,16 @@ def beside_apart_m(
 ) -> float:
     """Return the least distance [m], for ``BESIDE_S``, of a UAV that flies beside its path.
 
-    ``beside_m``: how far, in x and y. Later it will have come back to it.
+    A lower bound, as ``least_apart_m``. ``beside_m``: how far, in x and y. Later it will have come
+    back to it.
     """
-    times = np.arange(0.0, BESIDE_S, BESIDE_STEP_S)
-    points = path.points(times * speed_mps) + np.array(beside_m)
-    gaps = [points - forecast.positions(start_s + times) for forecast in forecasts]
-    return math.sqrt(min(float(np.square(gap).sum(axis=1).min()) for gap in gaps))
-
-
-def sampling_slack_m(distance_m: float, radius_m: float) -> float:
-    """Return by how much less [m] than sampled two aircraft may come between samples.
-
-    Half a sample apart from the closest approach, at no more than twice the UAV's speed, the
-    distance has grown by no more than the sagitta of the relative way, and by what both can
-    accelerate meanwhile.
-    """
-    half = 0.5 * SAMPLE_M
-    return (2.0 * half) ** 2 / (2.0 * distance_m) + half**2 / radius_m
+    start = path.start
+    moved = Pose(start.x_m + beside_m[0], start.y_m + beside_m[1], start.heading_rad)
+    flown = FlightPath(moved, path.segments)
+    return min(
+        apart_for_m(flown, forecast, BESIDE_S, start_s=start_s, speed_mps=speed_mps)
+        for forecast in forecasts
+    )
 
 
 def least_of_all_m(
@@ -151,16 +148,16 @@ def least_of_all_m(
     *,
     start_s: float,
     speeds_mps: float | FloatArray,
-    enough_m: float = 0.0,
+    kept_m: float | None = None,
 ) -> FloatArray:
     """Return the least distance on every path, shape (n,) [m], over several forecasts.
 
-    ``enough_m``: distances below it need not be the least.
+    A lower bound, as ``least_distances_m``.
     """
     least = np.full(len(batch), math.inf)
     for forecast in forecasts:
         one = least_distances_m(
-            batch, forecast, start_s=start_s, speeds_mps=speeds_mps, enough_m=enough_m
+            batch, forecast, start_s=start_s, speeds_mps=speeds_mps, kept_m=kept_m
         )
         least = np.minimum(least, one)
     return least
@@ -173,13 +170,14 @@ def least_distances_m(
     start_s: float,
     speeds_mps: float | FloatArray,
     lead_mps: float | None = None,
-    enough_m: float = 0.0,
+    kept_m: float | None = None,
 ) -> FloatArray:
     """Return the least distance to the helicopter on every path, shape (n,) [m].
 
-    ``speeds_mps``: one for all paths, or one for each; ``lead_mps``: that on the first straights
-    where it is another one. ``enough_m``: distances below it need not be the least. Looked at every
-    ``SAMPLE_M`` of a path (``sampling_slack_m``), until it is flown and the helicopter is back at
+    A lower bound, no more than ``TOLERANCE_M`` below it (``apart_kernels``). ``speeds_mps``: one
+    for all paths, or one for each; ``lead_mps``: that on the first straights where it is another
+    one. ``kept_m``: where it is only asked whether that is kept, the distance need be no more than
+    sure to be no less, or to be less. Looked at until a path is flown and the helicopter is back at
     V. On the slot track, at V, the distance no longer changes.
     """
     speeds = np.empty(len(batch))
@@ -194,6 +192,6 @@ def least_distances_m(
         forecast.speed_mps,
         speeds,
         0.0 if lead_mps is None else lead_mps,
-        SAMPLE_M,
-        enough_m,
+        0.0 if kept_m is None else kept_m,
+        math.inf if kept_m is None else kept_m,
     )

@@ -16,53 +16,48 @@ from numpy.typing import NDArray
 
 from sar_estimator.common.compiled import compiled
 from sar_estimator.common.pose import Pose
+from sar_planner.paths.apart_kernels import knots_for, least_until
 from sar_planner.paths.dubins import fill_words
 from sar_planner.paths.flight_path import Arc, FlightPath, FloatArray, Segment, Straight
-from sar_planner.paths.kernels import arc_end, position_at
+from sar_planner.paths.kernels import arc_end, lay_out
 from sar_planner.paths.slot_intercept import PathBatch, radii_m
 
 REACH_RADII = 15.0
 MOST_POSES = 200_000
 MANY_POSES = 8000
 # Places that are looked at by one search, some 1.2 s: a planner must not be silent for longer.
-MOST_WORK, WORDS_WORK = 80_000_000, 60
-SAMPLE_M = 6.0
+MOST_WORK, WORDS_WORK, CLEAR_WORK = 80_000_000, 60, 15
 LEAST_STEP_S, STEP_SHARE = 0.1, 0.03
 # How long a step and how wide a cell is, in turn radii; how many headings are told apart.
 GRIDS = ((0.33, 0.16, 48), (0.25, 0.12, 64), (0.17, 0.08, 96), (0.11, 0.04, 160))
 
 
 @compiled(
-    "boolean(float64, float64, float64, float64, float64, float64, float64, float64[:, :, ::1],"
-    " float64, int64[::1])"
+    "boolean(float64[:, ::1], float64, float64, float64, float64[:, :, ::1], float64,"
+    " float64[:, ::1], int64[::1])"
 )
-def _is_clear(  # noqa: PLR0917 - compiled functions take arguments by position
-    x: float,
-    y: float,
-    heading: float,
-    bend: float,
+def _is_clear(
+    parts: FloatArray,
     length_m: float,
     speed_mps: float,
     begun_s: float,
     forecasts: FloatArray,
     needed_m: float,
+    knots: FloatArray,
     work: NDArray[np.int64],
 ) -> bool:
-    """Whether an arc, or a straight, keeps ``needed_m`` from all forecasts, tables (f, 7, m).
+    """Whether a path, a table of its parts, keeps ``needed_m`` from all forecasts: ``least_until``.
 
-    ``work``, shape (1,): is counted up by what is looked at, here and below.
+    Forecasts are tables, shape (f, 7, m). ``work``, shape (1,): is counted up by what is looked at.
     """
-    count = int(length_m / SAMPLE_M) + 1
-    work[0] += count * forecasts.shape[0]
-    for i in range(1, count + 1):
-        along = length_m * i / count
-        at_x, at_y = arc_end(x, y, heading, bend, along)
-        now = begun_s + along / speed_mps
-        for f in range(forecasts.shape[0]):
-            there_x, there_y = position_at(forecasts[f], now)
-            gap_x, gap_y = at_x - there_x, at_y - there_y
-            if gap_x * gap_x + gap_y * gap_y < needed_m * needed_m:
-                return False
+    pace = (0.0, speed_mps, length_m, speed_mps, speed_mps)
+    for f in range(forecasts.shape[0]):
+        work[0] += CLEAR_WORK
+        kept = least_until(
+            parts, pace, forecasts[f], begun_s, length_m / speed_mps, needed_m, needed_m, knots
+        )
+        if not kept >= needed_m:
+            return False
     return True
 
 
@@ -75,36 +70,6 @@ def _after(
     return end_x, end_y, heading + bend * length_m
 
 
-@compiled(
-    "boolean(float64[::1], float64[::1], float64[::1], float64, float64, float64[:, :, ::1],"
-    " float64, int64[::1])"
-)
-def _is_row_clear(
-    row: FloatArray,
-    pose: FloatArray,
-    radius_m: FloatArray,
-    speed_mps: float,
-    begun_s: float,
-    forecasts: FloatArray,
-    needed_m: float,
-    work: NDArray[np.int64],
-) -> bool:
-    """Whether a batch's row begun at a pose keeps ``needed_m``; ``radius_m``: of its parts."""
-    x, y, heading = pose[0], pose[1], pose[2]
-    now = begun_s
-    for part in range(row.size):
-        if row[part] == 0.0:
-            continue
-        turns = radius_m[part] > 0.0
-        bend = math.copysign(1.0 / radius_m[part], row[part]) if turns else 0.0
-        length = radius_m[part] * abs(row[part]) if turns else row[part]
-        if not _is_clear(x, y, heading, bend, length, speed_mps, now, forecasts, needed_m, work):
-            return False
-        x, y, heading = _after(x, y, heading, bend, length)
-        now += length / speed_mps
-    return True
-
-
 @compiled("float64(float64, float64, float64, float64)")
 def _straight_s(ahead_m: float, y_m: float, slot_mps: float, fastest_mps: float) -> float:
     """Return the least time to the slot: straight, from so far ahead of it and beside it."""
@@ -115,7 +80,8 @@ def _straight_s(ahead_m: float, y_m: float, slot_mps: float, fastest_mps: float)
 
 @compiled(
     "float64(float64[::1], float64, float64, float64[::1], float64[::1], float64[:, :, ::1],"
-    " float64, float64, float64[:, ::1], float64[::1], int64[::1])"
+    " float64, float64, float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[::1],"
+    " int64[::1])"
 )
 def _soonest_word(  # noqa: PLR0917 - compiled functions take arguments by position
     pose: FloatArray,
@@ -127,13 +93,16 @@ def _soonest_word(  # noqa: PLR0917 - compiled functions take arguments by posit
     needed_m: float,
     before_s: float,
     rows: FloatArray,
+    parts: FloatArray,
+    knots: FloatArray,
     best_row: FloatArray,
     work: NDArray[np.int64],
 ) -> float:
     """Return when the soonest clear word from a pose meets the slot, infinite if not before.
 
     ``slot_x_m``: where the slot is at ``now_s``; ``speeds_mps``: the slot's, the slowest and the
-    fastest; ``rows``, shape (8, 7): room to work in; ``best_row``: is filled with the word.
+    fastest; ``rows``, shape (8, 7), ``parts``, shape (5, 8), and ``knots``: room to work in;
+    ``best_row``: is filled with the word.
     """
     slot, slowest, fastest = speeds_mps[0], speeds_mps[1], speeds_mps[2]
     radius = radius_m[1]
@@ -145,9 +114,10 @@ def _soonest_word(  # noqa: PLR0917 - compiled functions take arguments by posit
             row = rows[word]
             length = row[2] + radius * (abs(row[1]) + abs(row[3]) + abs(row[5]))
             speed = length / lasts
-            if slowest - 1e-9 <= speed <= fastest + 1e-9 and _is_row_clear(
-                row, pose, radius_m, speed, now_s, forecasts, needed_m, work
-            ):
+            if not slowest - 1e-9 <= speed <= fastest + 1e-9:
+                continue
+            lay_out(parts, row, pose[0], pose[1], pose[2], radius_m)
+            if _is_clear(parts, length, speed, now_s, forecasts, needed_m, knots, work):
                 best_row[:] = row
                 return now_s + lasts
         lasts += max(LEAST_STEP_S, STEP_SHARE * lasts)
@@ -220,6 +190,8 @@ def _search(  # noqa: PLR0917 - compiled functions take arguments by position
     best, who = before_s, -1
     work = np.zeros(1, dtype=np.int64)
     rows, word, best_word = np.empty((8, 7)), np.empty(7), np.zeros(7)
+    parts, step = np.empty((5, 8)), np.zeros((5, 1))
+    knots = knots_for(8, forecasts.shape[2])
     while begin < end and now < best and work[0] < MOST_WORK:
         slot_x = slot_x_m + slot * (now - start_s)
         for i in range(begin, end):
@@ -227,19 +199,31 @@ def _search(  # noqa: PLR0917 - compiled functions take arguments by position
             if now + _straight_s(pose[0] - slot_x, pose[1], slot, fastest) >= best:
                 continue
             met = _soonest_word(
-                pose, now, slot_x, speeds_mps, radius_m, forecasts, needed_m, best, rows, word, work
+                pose,
+                now,
+                slot_x,
+                speeds_mps,
+                radius_m,
+                forecasts,
+                needed_m,
+                best,
+                rows,
+                parts,
+                knots,
+                word,
+                work,
             )
             if met < best:
                 best, who = met, i
                 best_word[:] = word
             for side in range(-1, 2):
                 bend = side / radius
-                x, y, heading = pose[0], pose[1], pose[2]
+                step[:3, 0], step[3, 0] = pose, bend
                 if work[0] >= MOST_WORK or not _is_clear(
-                    x, y, heading, bend, step_m, fastest, now, forecasts, needed_m, work
+                    step, step_m, fastest, now, forecasts, needed_m, knots, work
                 ):
                     continue
-                x, y, heading = _after(x, y, heading, bend, step_m)
+                x, y, heading = _after(pose[0], pose[1], pose[2], bend, step_m)
                 column = int((x - slot_x - slot * step_s + reach_m) // cell_m)
                 line = int((y + reach_m) // cell_m)
                 around = int((heading / (2.0 * math.pi)) % 1.0 * headings) % headings

@@ -23,7 +23,7 @@ from sar_planner.paths.slot_intercept import (
     PathBatch,
 )
 from sar_planner.prediction.forecast import Forecast
-from sar_planner.prediction.separation import least_of_all_m, sampling_slack_m
+from sar_planner.prediction.separation import least_of_all_m
 from sar_planner.rules.corner_coverage import SweepAt
 
 PAIRS = ((STRAIGHT_Y, STRAIGHT_Q), (STRAIGHT_P, STRAIGHT_Y), (STRAIGHT_P, STRAIGHT_Q))
@@ -97,11 +97,10 @@ class Recapture:
         return self.start.x_m - self.forecasts[0].slot_x_m(self.start_s)
 
     def distances_m(self, batch: PathBatch) -> FloatArray:
-        """Return least distances to the helicopter [m], none more than the true ones."""
-        least = least_of_all_m(
+        """Return least distances to the helicopter [m], lower bounds: ``least_of_all_m``."""
+        return least_of_all_m(
             batch, self.forecasts, start_s=self.start_s, speeds_mps=self.speed_mps
         )
-        return least - sampling_slack_m(self.separation_m, self.turn_radius_m)
 
     def _kept(
         self, batch: PathBatch, costs: FloatArray, wanted_m: float, least_m: float

@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 from sar_estimator.common.pose import Pose
 from sar_planner.paths.dubins import lengths_m, words
 from sar_planner.paths.flight_path import FlightPath, FloatArray
-from sar_planner.paths.kernels import soonest_intercept
+from sar_planner.paths.intercept_kernels import soonest_intercept
 from sar_planner.paths.slot_intercept import InterceptProblem, PathBatch, radii_m, turn_to
 from sar_planner.prediction.forecast import Forecast, tables_of
-from sar_planner.prediction.separation import closest_over_time, least_of_all_m, sampling_slack_m
+from sar_planner.prediction.separation import least_apart_m, least_of_all_m
 from sar_planner.rejoin.hybrid_grid import soonest_on_grids
 
 STEP_S = 0.5
@@ -185,22 +185,19 @@ class _Search:
 
     def __init__(self, task: RejoinTask) -> None:
         self.task = task
-        slack = sampling_slack_m(task.separation_m, task.turn_radius_m)
-        self.needed_m = task.separation_m + slack
-        self.slack_m = slack
         self._start = np.array((task.start.x_m, task.start.y_m, task.start.heading_rad))
         self._radii_m = radii_m(task.turn_radius_m)
         self._forecasts = tables_of(task.forecasts)
         self._steady = np.array([(one.steady_s, one.speed_mps) for one in task.forecasts])
 
-    def distances_m(self, found: _Found, *, enough_m: float = 0.0) -> FloatArray:
+    def distances_m(self, found: _Found, *, kept_m: float | None = None) -> FloatArray:
         batch = PathBatch(self.task.start, self.task.turn_radius_m, found.rows)
         return least_of_all_m(
             batch,
             self.task.forecasts,
             start_s=self.task.start_s,
             speeds_mps=found.speeds,
-            enough_m=enough_m,
+            kept_m=kept_m,
         )
 
     def first_kept(self, found: _Found, *, before_s: float = math.inf) -> int | None:
@@ -222,8 +219,8 @@ class _Search:
         for begin in range(0, len(order), CHUNK):
             chosen = order[begin : begin + CHUNK]
             part = _Found(found.rows[chosen], found.speeds[chosen])
-            apart = self.distances_m(part, enough_m=self.needed_m)
-            kept = np.flatnonzero(apart >= self.needed_m)
+            apart = self.distances_m(part, kept_m=self.task.separation_m)
+            kept = np.flatnonzero(apart >= self.task.separation_m)
             if kept.size:
                 return int(chosen[kept[0]])
         return None
@@ -260,7 +257,7 @@ class _Search:
             self._steady,
             task.start_s,
             speed_mps,
-            self.needed_m,
+            self.task.separation_m,
             before_s,
         ).tolist()
         return _Intercept(time_s, speed_mps, sides, np.array(row)) if time_s < math.inf else None
@@ -308,7 +305,7 @@ class _Search:
             (task.forecast.speed_mps, task.slowest_mps, task.fastest_mps),
             task.turn_radius_m,
             self._forecasts,
-            needed_m=self.needed_m,
+            needed_m=self.task.separation_m,
             before_s=task.start_s + before_s,
         )
 
@@ -331,7 +328,7 @@ class _Search:
     def plan(self, rows: FloatArray, speed: float, *, kept: bool = True) -> RejoinPlan:
         found = _Found(rows[None, :], np.array([speed]))
         path = PathBatch(self.task.start, self.task.turn_radius_m, found.rows).path(0)
-        closest = float(self.distances_m(found)[0]) - self.slack_m
+        closest = float(self.distances_m(found)[0])
         return RejoinPlan(path, speed, path.length_m / speed, closest, kept)
 
 
@@ -387,10 +384,7 @@ def _sooner(task: RejoinTask, plan: RejoinPlan, path: FlightPath, duration_s: fl
     if duration_s >= plan.duration_s - WORTHWHILE_S:
         return plan
     speed = path.length_m / duration_s
-    closest = min(
-        closest_over_time(path, forecast, start_s=task.start_s, speed_mps=speed).distance_m
-        for forecast in task.forecasts
-    )
+    closest = least_apart_m(path, task.forecasts, start_s=task.start_s, speed_mps=speed)
     if closest < task.separation_m:
         return plan
     return RejoinPlan(path, speed, duration_s, closest, kept=True)

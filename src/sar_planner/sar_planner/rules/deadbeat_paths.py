@@ -28,7 +28,6 @@ from sar_planner.prediction.separation import (
     closest_approach,
     corner_forecast,
     least_distances_m,
-    sampling_slack_m,
 )
 from sar_planner.rules.corner_coverage import sweep_of
 from sar_planner.rules.paper_rules import CornerPlan, NoPathError, Rule
@@ -209,30 +208,22 @@ class DeadbeatPaths:
         """Return the area of the UAV's swaths about the corner that paths leave uncovered [m^2]."""
         return sweep_of(self.parameters.spacing_m, self._turn_rad).uncovered_m2(batch)
 
-    def distances_m(self, batch: PathBatch, *, enough_m: float = 0.0) -> FloatArray:
-        """Return least distances [m], certain not to be more than the true ones.
-
-        Those below ``enough_m`` may be more than the least.
-        """
-        speed = self.parameters.speed_mps
-        slack = sampling_slack_m(self.parameters.separation_m, self.parameters.turn_radius_m)
-        sampled = least_distances_m(
-            batch,
-            self._slot_forecast,
-            start_s=0.0,
-            speeds_mps=speed * self._path_efficiency,
-            lead_mps=speed,
-            enough_m=enough_m + slack,
-        )
-        return sampled - slack
-
     def closest(self, path: FlightPath) -> ClosestApproach:
         """Return the closest approach of a path that is flown at V."""
         return closest_approach(path, self.parameters, self._turn_rad)
 
     def keep(self, batch: PathBatch, separation_m: float) -> NDArray[np.bool_]:
-        """Return which paths keep a separation, shape (n,)."""
-        return self.distances_m(batch, enough_m=separation_m) >= separation_m
+        """Return which paths are certain to keep a separation, shape (n,)."""
+        speed = self.parameters.speed_mps
+        distances = least_distances_m(
+            batch,
+            self._slot_forecast,
+            start_s=0.0,
+            speeds_mps=speed * self._path_efficiency,
+            lead_mps=speed,
+            kept_m=separation_m,
+        )
+        return distances >= separation_m
 
     def plan_of(self, rule: Rule, lag_m: float, batch: PathBatch) -> CornerPlan:
         """Return the plan to fly a batch's only path, in the corner's frame."""

@@ -30,7 +30,6 @@ from sar_planner.prediction.separation import (
     corner_forecast,
     corner_standing,
     least_apart_m,
-    sampling_slack_m,
 )
 from sar_planner.rules.paper_rules import CornerPlan, NoPathError, Rule
 
@@ -106,14 +105,11 @@ class OutsideRules:
         return self._in_slot.slot_x_m(arrival_s) - self._frame.to_frame(path.end).x_m
 
     def closest_m(self, path: FlightPath) -> float:
-        """Return the least distance of a path [m], certain not to be more than the true one.
+        """Return the least distance of a path [m], a lower bound: ``least_apart_m``.
 
         Also to a helicopter that stands in the corner for longer than it is expected to.
         """
-        p = self.parameters
-        slack = sampling_slack_m(p.separation_m, p.turn_radius_m)
-        apart = least_apart_m(path, self._kept_from, start_s=0.0, speed_mps=self._speed_mps)
-        return apart - slack
+        return least_apart_m(path, self._kept_from, start_s=0.0, speed_mps=self._speed_mps)
 
     def _may_be_cut(self, path: FlightPath, separation_m: float) -> bool:
         """Whether a chord is apart from a helicopter that stands another stopping way farther on.

@@ -10,6 +10,7 @@ from sar_estimator.common.states import CornerEstimate, Motion
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.paths.flight_path import CornerFrame, FlightPath
+from sar_planner.prediction.tube import SureApart
 from sar_planner.rules.paper_rules import CornerPlan
 
 
@@ -28,7 +29,8 @@ class Mode(enum.StrEnum):
 class ActiveCorner:
     """The corner being flown: ``k`` from 1, the estimate it was planned from, and the plan.
 
-    ``uav_speed_mps``: along the path, since the onset.
+    ``uav_speed_mps``: along the path, since the onset. ``sure``: what the newest list keeps from a
+    tube of such corners, None where that is not known: once the helicopter has stopped.
     """
 
     k: int
@@ -38,6 +40,7 @@ class ActiveCorner:
     first_stop: Pose
     uav_speed_mps: float
     committed: bool = False
+    sure: SureApart | None = None
 
     @property
     def path(self) -> FlightPath:

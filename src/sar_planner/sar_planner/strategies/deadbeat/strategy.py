@@ -30,6 +30,7 @@ from sar_planner.strategies.deadbeat.state import (
     State,
     Tick,
 )
+from sar_planner.strategies.deadbeat.surely_apart import with_sure
 from sar_planner.strategies.strategy import Strategy, StrategyReport
 
 MOST_AIM_SPACINGS = 1.2
@@ -128,6 +129,7 @@ class DeadbeatStrategy(Strategy):
         self.state = decision.state
         if decision.listing is None or self._s.uav is None:
             return None
+        self.state = with_sure(decision.state, tick)
         return self.lists.make(decision.listing, self._s.uav)
 
 
