@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from flint import arb
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -90,6 +91,28 @@ def test_the_helicopter_flies_as_forecast(p):
         x, y = helicopter_at(Jet(way), Jet(p.stopping_m))
         wanted = corner_forecast(p).positions([way / p.speed_mps])[0]
         assert (plain(x), plain(y)) == pytest.approx(tuple(wanted), abs=1e-7)
+
+
+@given(
+    middle=st.floats(0.0, 6.0),
+    radius=st.floats(0.01, 0.6),
+    first=st.floats(-1.0, 1.0),
+    second=st.floats(-1.0, 1.0),
+)
+def test_a_box_of_ways_encloses_the_helicopter(middle, radius, first, second):
+    """Also where it begins to turn, to speed up or to cruise; ways in stopping distances."""
+    s, slack = P.stopping_m, 1e-9
+    found = helicopter_at(Jet(arb(middle * s, radius * s), {0: arb(1)}), Jet(s))
+    ways = [(middle + radius * share) * s for share in (first, second)]
+    places = corner_forecast(P).positions([way / P.speed_mps for way in ways])
+    for axis, jet in enumerate(found):
+        low, high = float(jet.value.lower()), float(jet.value.upper())
+        assert low - slack <= min(places[:, axis])
+        assert max(places[:, axis]) <= high + slack
+        if 0 in jet.slopes and abs(ways[1] - ways[0]) > 1e-3:
+            slope = (places[1, axis] - places[0, axis]) / (ways[1] - ways[0])
+            assert float(jet.slopes[0].lower()) - 1e-6 <= slope
+            assert slope <= float(jet.slopes[0].upper()) + 1e-6
 
 
 def test_domains_meet_at_the_automatons_bounds():
