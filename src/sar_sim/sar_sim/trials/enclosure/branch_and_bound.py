@@ -1,7 +1,8 @@
 """The least value of a function over boxes, enclosed: best-first branch and bound.
 
-A box is a product of intervals of *shares*, each within 0 and 1. Its bounds are dyadic, hence
-exact. A look at a box gives a value that is nowhere undercut in it, and one that is attained.
+A box is a product of intervals of *shares*, each within 0 and 1. They come of halving, so that
+their bounds are exact. A look at a box gives a value that is nowhere undercut in it, and one that
+is attained.
 """
 
 from __future__ import annotations
@@ -32,8 +33,9 @@ class Box(NamedTuple):
 
     @property
     def radii(self) -> tuple[float, ...]:
-        """Half the widths, shape (n,)."""
-        return tuple(0.5 * (b - a) for a, b in zip(self.low, self.high, strict=True))
+        """How far the bounds are from the middle, shape (n,); these differences are exact."""
+        bounds = zip(self.low, self.middle, self.high, strict=True)
+        return tuple(max(b - m, m - a) for a, m, b in bounds)
 
     def balls(self) -> list[arb]:
         """Return the shares as balls."""
