@@ -177,6 +177,7 @@ def test_shipped_parameter_file_names_only_known_parameters():
 
 KEYS = {
     "filterpy": "python3-filterpy-pip",
+    "flint": "python3-flint-pip",
     "matplotlib": "python3-matplotlib",
     "numba": "python3-numba",
     "numpy": "python3-numpy",

@@ -34,6 +34,7 @@ setup(
             "bench = sar_sim.bench.bench_cli:main",
             "campaign = sar_sim.campaign.campaign_cli:main",
             "monitor_trials = sar_sim.trials.monitor_trials_cli:main",
+            "enclosure = sar_sim.trials.enclosure_cli:main",
             "export = sar_sim.export.export_cli:main",
             "find_trials = sar_sim.trials.find_trials_cli:main",
             "formation_trials = sar_sim.trials.formation_trials_cli:main",

@@ -1,65 +1,36 @@
-"""Recorded ArduPlane flights against the simulated autopilot, and the planner's waypoints."""
+"""The planner's waypoints flown by the simulated autopilot, and how a track is measured."""
 
-import os
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from sar_bridge.mavlink.mission_items import waypoint_items
 from sar_planner.guidance.path_waypoints import path_waypoints
+from sar_planner.parameters.corner import CornerParameters
 from sar_planner.paths.flight_path import FlightPath, Straight
+from sar_planner.rules.paper_rules import Rule, build
 from sar_sim.scenario.presets import AUTOPILOTS
 from sar_sim.scenario.scenario import Uav, Wind
+from sar_sim.trials.recordings import PLAIN
 from sar_sim.trials.tracking import (
     CASES,
     DATUM,
-    PLAIN,
-    RecordingError,
-    distances_m,
+    Case,
+    adjustable_curve,
     fly_guided,
     fly_items,
-    load_recording,
     measure,
-    measured_path,
     path_points,
-    refly,
-    rms,
 )
-from sar_sim.trials.tracking_cli import ARDUPLANE, SETS, TUNINGS, main
-
-ROOT = Path(__file__).parents[3]
-DATA = Path(os.environ.get("SAR_TEST_DATA", ROOT.parent / "shared" / "data"), "arduplane")
-recorded = pytest.mark.skipif(not DATA.is_dir(), reason=f"recorded flights: no {DATA}")
-
-
-@recorded
-@pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("name", SETS)
-def test_simulated_autopilot_flies_as_the_recorded_one(name, case):
-    """Uses the recorded flights: extra length within max(10 m, 15 %), track within 6 m."""
-    uav, wind = SETS[name]
-    recording = load_recording(DATA, f"{name}_{case}")
-    flown = measure(recording.points, case)
-    simulated = measure(refly(recording, case, uav=uav, wind=wind), case)
-    assert abs(simulated.extra_m - flown.extra_m) <= max(10.0, 0.15 * abs(flown.extra_m))
-    assert rms(distances_m(simulated.points, flown.points)) < 6.0
-
-
-@recorded
-def test_the_table_is_printed(capsys):
-    """Uses the recorded ArduPlane flights."""
-    assert main(["--data", str(DATA)]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == 2 + len(SETS) * len(CASES) + 1 + 1 + len(TUNINGS)
+from sar_sim.trials.tracking_cli import ARDUPLANE, TUNINGS, main
 
 
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("name", TUNINGS)
 def test_planners_waypoints_are_flown_as_planned(name, case):
     uav, wind = TUNINGS[name]
-    flown = measure(fly_guided(case, uav=uav, wind=wind), case)
+    flown = measure(fly_guided(CASES[case], uav=uav, wind=wind), CASES[case])
     assert abs(flown.extra_m) <= 15.0
     assert flown.off_m <= 3.0
 
@@ -67,14 +38,23 @@ def test_planners_waypoints_are_flown_as_planned(name, case):
 @pytest.mark.parametrize("direction", [0.0, 90.0, 200.0, 300.0])
 def test_waypoints_hold_in_any_wind(direction):
     uav = replace(ARDUPLANE, l1_period_s=12.0)
-    flown = measure(fly_guided("C", uav=uav, wind=Wind(8.0, direction)), "C")
+    flown = measure(fly_guided(CASES["C"], uav=uav, wind=Wind(8.0, direction)), CASES["C"])
     assert abs(flown.extra_m) <= 15.0
     assert flown.off_m <= 3.0
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_a_perfect_track_has_no_extra_length(case):
-    path = measured_path(case)
+WIDE = CornerParameters(turn_radius_m=120.0, spacing_m=300.0)
+MEASURED = {
+    **CASES,
+    "short": replace(CASES["C"], run_in_m=100.0, finish_m=700.0),
+    "wide": Case(build(Rule.T3, 0.0, WIDE).path, WIDE.spacing_m),
+}
+
+
+@pytest.mark.parametrize("name", MEASURED)
+def test_a_perfect_track_has_no_extra_length(name):
+    case = MEASURED[name]
+    path = case.measured
     before = path.start.offset(-50.0)
     after = path.end.offset(50.0)
     points = np.vstack(((before.x_m, before.y_m), path_points(path), (after.x_m, after.y_m)))
@@ -84,20 +64,29 @@ def test_a_perfect_track_has_no_extra_length(case):
 
 
 def test_a_track_that_breaks_off_is_not_measured():
-    assert measure(path_points(measured_path("T1"))[:-100], "T1") is None
+    assert measure(path_points(CASES["T1"].measured)[:-100], CASES["T1"]) is None
 
 
-def test_unreadable_recordings_end_in_one_line(tmp_path, capsys):
-    assert main(["--data", str(tmp_path)]) == 2
-    assert "plane_default_40m_T3_waypoints.csv" in capsys.readouterr().err
-    (tmp_path / "x_waypoints.csv").write_text("a,b\n1,2\n")
-    with pytest.raises(RecordingError, match="expected columns"):
-        load_recording(tmp_path, "x")
+def test_a_track_on_another_line_is_not_measured():
+    points = path_points(CASES["T1"].measured)
+    assert measure(points + np.array((0.0, 150.0)), CASES["T1"]) is None
+    assert measure(points - np.array((150.0, 0.0)), replace(CASES["T1"], run_in_m=100.0)) is None
+
+
+def test_an_adjustable_curve_that_would_begin_too_early_is_refused():
+    with pytest.raises(ValueError, match="straight of"):
+        adjustable_curve(-200.0, 108.0, 0.1, CornerParameters())
+
+
+def test_without_recordings_the_planners_waypoints_are_flown(capsys):
+    assert main([]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line[:30].strip() for line in lines[1:]] == list(TUNINGS)
 
 
 @pytest.mark.parametrize("case", ["T3", "C"])
 def test_piccolo2005_on_arc_ends_flies_as_much_farther_as_the_papers_did(case):
-    path = measured_path(case)
+    path = CASES[case].measured
     start = path.start.offset(-400.0)
     whole = FlightPath.of(start, (Straight(400.0), *path.segments, Straight(600.0)))
     items = [
@@ -105,5 +94,5 @@ def test_piccolo2005_on_arc_ends_flies_as_much_farther_as_the_papers_did(case):
         for item in waypoint_items(path_waypoints(whole, 0.0), DATUM, 150.0)
     ]
     uav = Uav(autopilot="piccolo2005", **AUTOPILOTS["piccolo2005"])
-    flown = measure(fly_items(items, start, airspeed_mps=20.0, uav=uav, wind=Wind()), case)
+    flown = measure(fly_items(items, start, airspeed_mps=20.0, uav=uav, wind=Wind()), CASES[case])
     assert 300.0 < flown.extra_m < 550.0

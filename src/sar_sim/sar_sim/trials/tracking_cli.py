@@ -9,26 +9,20 @@ from pathlib import Path
 
 from sar_sim.scenario.presets import AUTOPILOTS
 from sar_sim.scenario.scenario import Uav, Wind
+from sar_sim.trials.recordings import Recording, RecordingError, load_recording, names_in, refly
 from sar_sim.trials.tracking import (
     CASES,
-    RecordingError,
+    FloatArray,
+    Flown,
     distances_m,
     fly_guided,
-    load_recording,
     measure,
-    refly,
     rms,
 )
 
 ARDUPLANE = Uav(autopilot="arduplane", **AUTOPILOTS["arduplane"])  # type: ignore[arg-type]
 PERIOD_10 = replace(ARDUPLANE, l1_period_s=10.0)
 WIND_6 = Wind(6.0, 45.0)
-SETS: dict[str, tuple[Uav, Wind]] = {
-    "plane_default_40m": (ARDUPLANE, Wind()),
-    "l1period10_40m": (PERIOD_10, Wind()),
-    "l1period10_40m_wind6": (PERIOD_10, WIND_6),
-    "plane_default_arc_ends_only": (ARDUPLANE, Wind()),
-}
 TUNINGS: dict[str, tuple[Uav, Wind]] = {
     "NAVL1_PERIOD 15": (ARDUPLANE, Wind()),
     "NAVL1_PERIOD 10": (PERIOD_10, Wind()),
@@ -38,25 +32,38 @@ TUNINGS: dict[str, tuple[Uav, Wind]] = {
 
 
 def compare(folder: Path) -> list[str]:
-    """Return a table: recorded flights and the simulated autopilot on the same mission."""
+    """Return a table: recorded flights and the simulated autopilot on the same missions.
+
+    Raises ``RecordingError`` for a folder without recordings, and for one that cannot be measured.
+    """
+    names = names_in(folder)
+    width = max(32, *map(len, names))
     lines = [
         "extra: flown minus planned; off: rms off the planned path; apart: rms between the tracks",
-        "recording                          extra     sim   diff    off   sim  apart  [m]",
+        f"{'recording':{width}s}   extra     sim   diff    off   sim  apart  [m]",
     ]
-    for name, (uav, wind) in SETS.items():
-        for case in CASES:
-            recording = load_recording(folder, f"{name}_{case}")
-            flown = measure(recording.points, case)
-            simulated = measure(refly(recording, case, uav=uav, wind=wind), case)
-            if flown is None or simulated is None:
-                raise RecordingError(f"{name}_{case}: the track does not fly the whole corner")
-            apart = rms(distances_m(simulated.points, flown.points))
-            lines.append(
-                f"{name + ' ' + case:32s}{flown.extra_m:8.1f}{simulated.extra_m:8.1f}"
-                f"{simulated.extra_m - flown.extra_m:7.1f}{flown.off_m:7.1f}"
-                f"{simulated.off_m:6.1f}{apart:7.2f}"
-            )
+    for name in names:
+        recording = load_recording(folder, name)
+        flown = _measured(recording.points, recording, "recorded")
+        simulated = _measured(refly(recording), recording, "simulated")
+        apart = rms(distances_m(simulated.points, flown.points))
+        lines.append(
+            f"{name:{width}s}{flown.extra_m:8.1f}{simulated.extra_m:8.1f}"
+            f"{simulated.extra_m - flown.extra_m:7.1f}{flown.off_m:7.1f}"
+            f"{simulated.off_m:6.1f}{apart:7.2f}"
+        )
     return lines
+
+
+def _measured(points: FloatArray, recording: Recording, what: str) -> Flown:
+    found = measure(points, recording.case)
+    if found is None:
+        raise RecordingError(
+            f"{recording.name}: the {what} track does not fly the whole corner, from "
+            f"run_in_m = {recording.case.run_in_m:g} before its onset to "
+            f"finish_m = {recording.case.finish_m:g} behind it"
+        )
+    return found
 
 
 def guided() -> list[str]:
@@ -68,7 +75,7 @@ def guided() -> list[str]:
     ]
     for name, (uav, wind) in TUNINGS.items():
         line = f"{name:36s}"
-        for case in CASES:
+        for case in CASES.values():
             flown = measure(fly_guided(case, uav=uav, wind=wind), case)
             line += (
                 f"{'-':>10s}{'-':>6s}"
@@ -83,7 +90,10 @@ def main(argv: list[str] | None = None) -> int:
     """Print the tables; 2 on recordings that cannot be read."""
     parser = argparse.ArgumentParser(prog="tracking", description=__doc__)
     parser.add_argument(
-        "--data", type=Path, help="folder of recorded flights, NAME_waypoints.csv, NAME_track.csv"
+        "--data",
+        type=Path,
+        metavar="FOLDER",
+        help="of recorded flights: NAME.yaml, NAME_waypoints.csv, NAME_track.csv",
     )
     args = parser.parse_args(argv)
     try:
