@@ -22,6 +22,7 @@ from sar_estimator.common.states import FloatArray, Motion
 STEP_S = 0.5
 NEAR_M = 60.0
 ACCEL_MPS2 = 1.0
+MOST_IN_WIND = 3.0
 
 Vector = tuple[float, float]
 
@@ -75,10 +76,15 @@ class FollowerTuning:
         """The most lateral acceleration [m/s^2]."""
         return self.turn_share * G_MPS2 * math.tan(math.radians(self.roll_limit_deg))
 
-    @property
-    def most_mps2(self) -> float:
-        """The most acceleration in any direction [m/s^2]."""
-        return math.hypot(self.pull_mps2, ACCEL_MPS2)
+    def most_mps2(self, wind_mps: Vector = (0.0, 0.0)) -> float:
+        """Return the most acceleration over ground, in any direction [m/s^2].
+
+        Across a wind w at an airspeed v the ground speed changes by v / sqrt(v^2 - w^2) times as
+        much as in calm air: by that at the slowest, but ``MOST_IN_WIND`` times at the most.
+        """
+        slower2 = 1.0 - (math.hypot(*wind_mps) / max(self.slowest_mps, LEAST_SPEED_MPS)) ** 2
+        share = 1.0 / math.sqrt(slower2) if slower2 > MOST_IN_WIND**-2 else MOST_IN_WIND
+        return share * math.hypot(self.pull_mps2, ACCEL_MPS2)
 
 
 class Route:

@@ -55,7 +55,7 @@ class OtherFutures:
             np.zeros(len(times)),
             likely=True,
             who=one.name,
-            most_mps2=FollowerTuning().most_mps2,
+            most_mps2=FollowerTuning().most_mps2(wind_mps),
         )
 
     def _route(self, one: OtherUav, flown: WaypointList) -> Route:

@@ -147,7 +147,7 @@ class Outlook:
 
     def apart(self, path: FloatArray, futures: list[Future]) -> list[Apart]:
         """Return how near a path comes to every future, from step to step."""
-        return apart(path, futures, self._p.follow_sigma_m, self.tuning.most_mps2)
+        return apart(path, futures, self._p.follow_sigma_m, self.tuning.most_mps2(self.wind_mps))
 
     def closest(
         self, near: list[Apart], sigmas: float, horizon_s: float, *, only_likely: bool = False
