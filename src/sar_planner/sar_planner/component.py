@@ -29,6 +29,7 @@ from sar_estimator.common.reports import (
     Target,
     UavReport,
     UavStatus,
+    Uploaded,
     WaypointList,
 )
 from sar_estimator.common.states import CornerEstimate, FloatArray
@@ -94,11 +95,13 @@ class PlannerComponent(Component):
         self.inputs = {
             topics.HELICOPTER_ODOMETRY: self._on_helicopter,
             topics.UAV_ODOMETRY: self._on_uav,
+            topics.FIX_TIME: keep(self.planner.timing.hear_fix),
             topics.LEG: keep(self.planner.set_leg),
             topics.PREDICTION: self._on_corner,
             topics.PHASE: keep(self.planner.situation.set_phase),
             topics.UAV_STATE: self._on_status,
             topics.AUTOPILOT: self._on_autopilot,
+            topics.UPLOADED: self._on_uploaded,
             topics.MONITOR: keep(self.planner.set_monitor),
             topics.WIND: self._on_wind,
             topics.TARGET: self._on_target,
@@ -144,6 +147,10 @@ class PlannerComponent(Component):
 
     def _on_wind(self, wind_mps: tuple[float, float], now_s: float) -> Outputs:
         self.planner.set_wind(wind_mps, now_s)
+        return []
+
+    def _on_uploaded(self, uploaded: Uploaded, now_s: float) -> Outputs:
+        self.planner.timing.flown(uploaded.list_id, now_s)
         return []
 
     def _on_autopilot(self, values: dict[str, float], _now_s: float) -> Outputs:
@@ -260,7 +267,7 @@ class PlannerComponent(Component):
         return found
 
     def health(self, now_s: float) -> Health:
-        """Return what it does, and why it does not do more."""
+        """Return what it does, why it does not do more, and how late it is."""
         planner = self.planner
         report = planner.report
         sure = None if report.corner is None else report.corner.sure
@@ -268,7 +275,7 @@ class PlannerComponent(Component):
             sure = None
         return Health(
             self.name,
-            planner.problem,
+            planner.problem or planner.timing.problems(now_s),
             {
                 "corner": planner.situation.corners_seen,
                 "pattern_leg": planner.situation.progress.leg + 1,
@@ -288,6 +295,8 @@ class PlannerComponent(Component):
                 "path_efficiency": f"{report.efficiency:.2f}",
                 "turn_radius_m": f"{planner.turn_radius_m:.0f}",
                 "lag_setpoint_m": f"{report.lag_setpoint_m:.0f}",
+                **planner.timing.values(now_s),
+                "reaction_s": f"{planner.timing.reaction_s(now_s):.1f}",
                 "lists": 0 if planner.list is None else planner.list.number,
             },
         )
