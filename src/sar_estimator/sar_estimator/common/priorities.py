@@ -8,6 +8,7 @@ a core beside a program of no niceness, never all of it.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import resource
 import time
@@ -20,6 +21,7 @@ RAISED_NODES = frozenset({"gps", "estimator", "planner", "monitor", "bridge", "r
 LOWERED_NODES = frozenset({"record", "console"})
 OFF = ("SAR_PRIORITIES", "0")
 """The environment's variable, and its value, with which priorities are left alone."""
+THREADS = Path("/proc/self/task")
 AUTOGROUP = Path("/proc/self/autogroup")
 TRIES, AGAIN_S = 8, 0.12
 """The kernel takes one change of an unprivileged user's autogroups in a tenth of a second."""
@@ -28,8 +30,8 @@ TRIES, AGAIN_S = 8, 0.12
 def set_priority(node: str, environment: Mapping[str, str]) -> str:
     """Raise or lower this process for a node; return what is to be told of it, empty for nothing.
 
-    To be called before threads begin: on Linux each has a nice value, which it has from the one
-    that begins it. Child processes have it, too.
+    On Linux each thread has a nice value of its own, which it has from the one that begins it, as
+    child processes have theirs: all that run by now get it, and so do those that come.
     """
     name, off = OFF
     if environment.get(name) == off:
@@ -55,11 +57,14 @@ def least_permitted() -> int:
 
 
 def _take(nice: int) -> bool:
-    """Give this thread, and what it begins, a nice value; return whether that is permitted."""
+    """Give all threads of this process a nice value; return whether that is permitted."""
     try:
         os.setpriority(os.PRIO_PROCESS, 0, nice)
     except OSError:
         return False
+    for thread in THREADS.iterdir():
+        with contextlib.suppress(OSError):  # one that has ended since
+            os.setpriority(os.PRIO_PROCESS, int(thread.name), nice)
     if os.getsid(0) == os.getpid():
         _take_group(nice)
     return True
