@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Protocol
 
-from sar_estimator.common.lateness import Punctuality
+from sar_estimator.common.lateness import Punctuality, counted_s
 from sar_planner.parameters.mission import MissionParameters
 
 STEPS_A_SECOND = 10
@@ -34,11 +34,11 @@ class Timing(Punctuality):
     def reaction_s(self, now_s: float) -> float:
         """Return the time [s] from a decision to the list being flown that is planned with.
 
-        ``reaction_s`` of the parameters, or what was measured where that is more: no more than
-        ``most_reaction_s`` of that.
+        ``reaction_s`` of the parameters, or what was measured where that is clearly more: no more
+        than ``most_reaction_s`` of that.
         """
         measured_s = math.ceil(STEPS_A_SECOND * self.lists.value_s(now_s)) / STEPS_A_SECOND
-        return max(self._least_s, min(measured_s, self._most_s))
+        return counted_s(measured_s, self._least_s, self._most_s)
 
     def adapt(self, now_s: float) -> None:
         """Have everything planned with the time of now, where that is another."""

@@ -124,7 +124,9 @@ def test_where_lists_come_late_the_uav_is_sent_away_so_much_sooner(late_s):
     assert first_s(late_s) == pytest.approx(soon - (late_s - 1.0), abs=1.0)
 
 
-@pytest.mark.parametrize(("late_s", "delay_s"), [(0.0, 1.0), (0.7, 1.0), (3.0, 3.0), (9.0, 5.0)])
+@pytest.mark.parametrize(
+    ("late_s", "delay_s"), [(0.0, 1.0), (1.4, 1.0), (1.6, 1.5), (3.0, 3.0), (9.0, 5.0)]
+)
 def test_a_way_out_begins_where_the_uav_will_be_when_it_has_it(late_s, delay_s):
     bench = Bench(AT, uav_y=-200.0, vy=5.0)
     make_late(bench, late_s)

@@ -10,8 +10,10 @@ from sar_estimator.common.lateness import (
     HALF_S,
     LONGEST_S,
     MOST_LISTS,
+    SLACK_S,
     Lateness,
     Punctuality,
+    counted_s,
 )
 
 DELAYS = st.lists(
@@ -71,6 +73,17 @@ def test_nothing_measured_is_not_late_and_what_is_no_delay_does_not_count():
     assert lateness.value_s(5.0) == LONGEST_S
 
 
+@given(st.floats(0.0, LONGEST_S), st.floats(0.0, 5.0), st.floats(0.0, LONGEST_S))
+def test_what_is_counted_on_is_what_is_assumed_or_clearly_more(late, assumed, most):
+    counted = counted_s(late, assumed, most)
+    assert counted >= assumed
+    if counted > assumed:
+        assert counted == min(late, most)
+        assert late > assumed + SLACK_S
+    else:
+        assert min(late, most) <= assumed + SLACK_S
+
+
 def test_a_fix_is_late_by_its_first_use_whatever_the_receivers_period():
     timing = Punctuality()
     for second in range(0, 40, 4):  # a fix every 4 s, used twice a second, at once
@@ -84,6 +97,16 @@ def test_a_fix_is_late_by_its_first_use_whatever_the_receivers_period():
     assert timing.problem(41.8, 1.5) == "laptop is late: fixes 1.8 s old at decision"
     assert timing.problem(41.8, 2.0) == ""
     assert timing.values(41.8) == {"fix_late_s": "1.8", "list_late_s": "0.0"}
+
+
+def test_a_fix_of_another_clock_is_not_late_and_a_list_that_took_ages_is():
+    timing = Punctuality()
+    timing.hear_fix(100.0)
+    timing.use(130.0)
+    assert timing.fixes.value_s(130.0) == 0.0
+    timing.give(1, 100.0)
+    timing.flown(1, 130.0)
+    assert timing.lists.value_s(130.0) == LONGEST_S
 
 
 def test_only_lists_that_were_flown_count():

@@ -14,7 +14,7 @@ from sar_bridge.monitor.helicopter_hypotheses import Future, Helicopter
 from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.other_futures import OtherFutures
 from sar_bridge.monitor.parameters import MonitorParameters
-from sar_estimator.common.lateness import Punctuality
+from sar_estimator.common.lateness import Punctuality, counted_s
 from sar_estimator.common.other_uavs import OtherUavs
 from sar_estimator.common.states import FloatArray, Motion, Phase
 
@@ -108,8 +108,8 @@ class Outlook:
     def delay_s(self, now_s: float) -> float:
         """Return in how long [s] the UAV flies what is sent to it now, a multiple of ``STEP_S``."""
         p = self._p
-        measured_s = min(self.timing.lists.value_s(now_s), p.most_delay_s, p.escape_horizon_s)
-        return STEP_S * round(max(p.escape_delay_s, measured_s) / STEP_S)
+        late_s, most_s = self.timing.lists.value_s(now_s), min(p.most_delay_s, p.escape_horizon_s)
+        return STEP_S * round(counted_s(late_s, p.escape_delay_s, most_s) / STEP_S)
 
     def late_s(self, now_s: float) -> float:
         """Return by how much that is longer than ``escape_delay_s`` [s]."""

@@ -35,7 +35,8 @@ class MonitorParameters:
         `possible_horizon_s` away.
     clear_s: how long all must be well before the planner leads again.
     escape_delay_s: from the choice of an escape until the UAV turns: link, upload, the
-        autopilot; where lists are measured to take longer to the autopilot, as long as they do.
+        autopilot; where lists are measured to take half a second longer to the autopilot, as
+        long as they do.
     most_delay_s: of what is measured of it, counted on at most.
     late_fix_s: age of fixes when they are looked at, from which on that is told, and what the
         helicopter may have begun since is possible.

@@ -12,10 +12,20 @@ import math
 
 HALF_S = 20.0
 LONGEST_S = 10.0
-"""What took longer was lost, not late: it counts as much."""
+"""A list that took longer counts as much; a fix that did is lost, as the estimator says."""
+SLACK_S = 0.5
+"""By so much a list may be later than assumed: 10 m of flight, by which it is joined as well."""
 MOST_LISTS = 50
 LATE = "laptop is late"
 """How what is told of it begins."""
+
+
+def counted_s(late_s: float, assumed_s: float, most_s: float) -> float:
+    """Return the delay [s] to count on where ``late_s`` is measured and ``assumed_s`` is assumed.
+
+    The measured one where it is clearly more, but no more than ``most_s`` of it.
+    """
+    return max(assumed_s, min(late_s, most_s)) if late_s > assumed_s + SLACK_S else assumed_s
 
 
 class Lateness:
@@ -60,10 +70,13 @@ class Punctuality:
         self._fix_s = fix_s
 
     def use(self, now_s: float) -> None:
-        """Take note that what is known is used now: the first time since a fix, that is late."""
-        if self._fix_s is not None:
+        """Take note that what is known is used now: the first time since a fix, that is late.
+
+        Not by more than ``LONGEST_S``: the clock was set, or the receiver's.
+        """
+        if self._fix_s is not None and now_s - self._fix_s <= LONGEST_S:
             self.fixes.add(now_s - self._fix_s, now_s)
-            self._fix_s = None
+        self._fix_s = None
 
     def give(self, list_id: int, now_s: float) -> None:
         """Take note that a list is given away, to be flown."""

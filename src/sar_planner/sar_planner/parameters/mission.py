@@ -43,7 +43,7 @@ class MissionParameters:
     roll_lag_s: from its demand to the bank.
     speed_lead_s: how far ahead of the UAV the airspeed asked for is chosen.
     reaction_s: from a decision to the autopilot flying the new list; where that is measured to take
-        longer, as long as it does.
+        half a second longer, as long as it does.
     most_reaction_s: of what is measured of it, planned with at most.
     late_fix_s: age of fixes when they are planned with, from which on that is told.
     horizon_m: how far ahead of the UAV its list reaches.
