@@ -19,6 +19,7 @@ from sar_estimator.common.component import (
     Notice,
     Outputs,
     keep,
+    keep_at,
 )
 from sar_estimator.common.other_uavs import OtherUavs
 from sar_estimator.common.reports import (
@@ -29,7 +30,6 @@ from sar_estimator.common.reports import (
     Target,
     UavReport,
     UavStatus,
-    Uploaded,
     WaypointList,
 )
 from sar_estimator.common.states import CornerEstimate, FloatArray
@@ -101,9 +101,9 @@ class PlannerComponent(Component):
             topics.PHASE: keep(self.planner.situation.set_phase),
             topics.UAV_STATE: self._on_status,
             topics.AUTOPILOT: self._on_autopilot,
-            topics.UPLOADED: self._on_uploaded,
+            topics.UPLOADED: keep_at(self.planner.timing.hear_uploaded),
             topics.MONITOR: keep(self.planner.set_monitor),
-            topics.WIND: self._on_wind,
+            topics.WIND: keep_at(self.planner.set_wind),
             topics.TARGET: self._on_target,
             **situation.others.inputs,
         }
@@ -144,14 +144,6 @@ class PlannerComponent(Component):
         self.planner.set_status(status)
         released = was is not Mode.IDLE and self.planner.mode is Mode.IDLE
         return self._withdrawn(now_s) if released else []
-
-    def _on_wind(self, wind_mps: tuple[float, float], now_s: float) -> Outputs:
-        self.planner.set_wind(wind_mps, now_s)
-        return []
-
-    def _on_uploaded(self, uploaded: Uploaded, now_s: float) -> Outputs:
-        self.planner.timing.flown(uploaded.list_id, now_s)
-        return []
 
     def _on_autopilot(self, values: dict[str, float], _now_s: float) -> Outputs:
         vehicle = Vehicle(values)

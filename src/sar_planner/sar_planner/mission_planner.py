@@ -82,12 +82,10 @@ class MissionPlanner:
         check_planner(mission.rules, own)
         self.situation = Situation(corner, mission.terms, mission.slot)
         self._strategy = STRATEGIES[mission.rules](self.situation, own, mission)
-        self.find = Finding(
-            self.situation,
-            mission,
-            Orbit(self.situation, corner, mission, self._strategy.lists, self._strategy.turns),
-        )
-        self.timing = Timing(mission, (self._strategy, self.find.orbit))
+        lists, turns = self._strategy.lists, self._strategy.turns
+        orbit = Orbit(self.situation, corner, mission, lists, turns)
+        self.find = Finding(self.situation, mission, orbit)
+        self.timing = Timing(mission, (self._strategy, orbit))
         self.engaged = False
         self.problem = ""
         self.list: PlannedList | None = None
@@ -243,10 +241,7 @@ class MissionPlanner:
 
     @property
     def airspeed_mps(self) -> float | None:
-        """The indicated airspeed that this ground speed takes where the UAV will be.
-
-        Within its envelope.
-        """
+        """The indicated airspeed, in its envelope, that this takes where the UAV will be [m/s]."""
         speed = self.speed_mps
         if speed is None:
             return None

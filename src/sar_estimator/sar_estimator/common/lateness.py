@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 
+from sar_estimator.common.reports import Uploaded
+
 HALF_S = 20.0
 LONGEST_S = 10.0
 """A list that took longer counts as much; a fix that did is lost, as the estimator says."""
@@ -90,6 +92,10 @@ class Punctuality:
         if given_s is not None:
             self.lists.add(now_s - given_s, now_s)
             self._given = {one: at for one, at in self._given.items() if one > list_id}
+
+    def hear_uploaded(self, uploaded: Uploaded, now_s: float) -> None:
+        """Take that the autopilot has accepted a list."""
+        self.flown(uploaded.list_id, now_s)
 
     def set_clock_back(self) -> None:
         """Forget what belongs to a time that has not come yet; the delays stay as they were."""
