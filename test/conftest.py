@@ -58,6 +58,7 @@ def new_environment():
             plain,
             ROS_DOMAIN_ID=str(free_domain()),
             ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST",
+            SAR_PRIORITIES="0",  # what is tested is no more urgent than its tests
         )
 
     return make

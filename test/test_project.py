@@ -25,6 +25,7 @@ SHELLS = {
     "sar_bridge/mavlink/link",
     "sar_bridge/mavlink/station_link",
     "sar_estimator/common/node_support",
+    "sar_estimator/common/priorities",
     "sar_estimator/gps/source",
     "sar_sim/autopilot/home_link",
     "sar_sim/autopilot/link",

@@ -47,6 +47,7 @@ setup(
             "detection = sar_sim.campaign.detection_cli:main",
             "replay = sar_sim.flight.replay_cli:main",
             "report = sar_sim.report.report_cli:main",
+            "loaded_flights = sar_sim.trials.loaded_flights_cli:main",
             "faults = sar_sim.trials.faults_cli:main",
             "fly = sar_sim.flight.fly_cli:main",
             "interfaces = sar_sim.report.interfaces_cli:main",

@@ -8,7 +8,13 @@ import pytest
 from sar_estimator.common import topics
 from sar_estimator.common.component import NOTICES
 from sar_estimator.common.pose import Pose
-from sar_estimator.common.reports import HelicopterReport, MonitorReport, UavReport, UavStatus
+from sar_estimator.common.reports import (
+    HelicopterReport,
+    MonitorReport,
+    UavReport,
+    UavStatus,
+    Uploaded,
+)
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.component import PlannerComponent
 from sar_planner.parameters.corner import CornerParameters
@@ -173,3 +179,48 @@ def test_the_pattern_ahead_follows_the_corner_that_is_predicted_and_the_leg_afte
 
 def test_of_no_pattern_nothing_is_told():
     assert reported(fed()) == []  # how long the legs are is not known
+
+
+def test_fixes_that_come_late_are_told_of():
+    component = fed()
+    component.services[topics.ENGAGE](100.0)
+    component.handle(topics.FIX_TIME, 98.2, 100.2)
+    said = of(component.tick(100.2), NOTICES)
+    assert [one.text for one in said] == ["laptop is late: fixes 2.0 s old at decision"]
+    health = component.health(100.2)
+    assert health.problem == "laptop is late: fixes 2.0 s old at decision"
+    assert (health.values["fix_late_s"], health.values["reaction_s"]) == ("2.0", "1.0")
+    assert component.health(180.0).values["fix_late_s"] == "0.1"
+
+
+def test_a_planner_that_leads_nobody_tells_it_too():
+    component = fed()
+    component.handle(topics.FIX_TIME, 97.0, 100.0)
+    component.tick(100.0)
+    assert component.health(100.0).problem.startswith("laptop is late")
+
+
+def rejoining(late_s):
+    """Return the list of a UAV that is led back, a list having been flown so late before."""
+    component = fed()
+    (first,) = of(component.services[topics.ENGAGE](100.0).outputs, topics.WAYPOINTS)
+    component.handle(topics.UPLOADED, Uploaded(first.list_id), 100.0 + late_s)
+    assert component.planner.timing.reaction_s(100.0 + late_s) == max(late_s, 1.0)
+    now = 104.0
+    astray = UavReport(Motion(now, -300.0, -600.0, 20.0, 0.0), 0.0)
+    component.handle(topics.UAV_ODOMETRY, astray, now)
+    component.handle(
+        topics.HELICOPTER_ODOMETRY, HelicopterReport(Motion(now, 80.0, 0, 20.0, 0.0), 1.0, 0.1), now
+    )
+    (found,) = of(component.tick(now), topics.WAYPOINTS)
+    assert found.mode == "rejoin"
+    return component.planner._strategy.state.path
+
+
+@pytest.mark.parametrize("late_s", [0.3, 3.0])
+def test_a_path_begins_where_the_uav_will_be_when_its_list_is_flown(late_s):
+    path = rejoining(late_s)
+    start = path.frame.path_to_map(path.path).start
+    lead_s = max(late_s * 0.5 ** ((4.0 - late_s) / 20.0), 1.0)
+    assert start.x_m == pytest.approx(-300.0 + 20.0 * lead_s, abs=2.1)  # steps of 0.1 s
+    assert path.begun_s == pytest.approx(104.0 + lead_s, abs=0.11)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import logging
+import os
 import re
 import secrets
 import sys
@@ -39,6 +40,7 @@ from sar_estimator.common.checked import CHECKED, Positive, Side
 from sar_estimator.common.component_node import ComponentNode
 from sar_estimator.common.node_parameters import parameters, refuse_unknown_parameters
 from sar_estimator.common.node_support import end_process, now_s, start_ros
+from sar_estimator.common.priorities import set_priority
 from sar_estimator.common.reports import Target
 from sar_estimator.common.wires import WIRES
 
@@ -223,6 +225,7 @@ def main(argv: list[str] | None = None) -> int:
             sys.stderr.write(f"console: {error}\n")
             return 2
         return 0
+    set_priority("console", os.environ)
     start_ros(signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = ConsoleNode()

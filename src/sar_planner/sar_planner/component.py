@@ -19,6 +19,7 @@ from sar_estimator.common.component import (
     Notice,
     Outputs,
     keep,
+    keep_at,
 )
 from sar_estimator.common.other_uavs import OtherUavs
 from sar_estimator.common.reports import (
@@ -94,13 +95,15 @@ class PlannerComponent(Component):
         self.inputs = {
             topics.HELICOPTER_ODOMETRY: self._on_helicopter,
             topics.UAV_ODOMETRY: self._on_uav,
+            topics.FIX_TIME: keep(self.planner.timing.hear_fix),
             topics.LEG: keep(self.planner.set_leg),
             topics.PREDICTION: self._on_corner,
             topics.PHASE: keep(self.planner.situation.set_phase),
             topics.UAV_STATE: self._on_status,
             topics.AUTOPILOT: self._on_autopilot,
+            topics.UPLOADED: keep_at(self.planner.timing.hear_uploaded),
             topics.MONITOR: keep(self.planner.set_monitor),
-            topics.WIND: self._on_wind,
+            topics.WIND: keep_at(self.planner.set_wind),
             topics.TARGET: self._on_target,
             **situation.others.inputs,
         }
@@ -141,10 +144,6 @@ class PlannerComponent(Component):
         self.planner.set_status(status)
         released = was is not Mode.IDLE and self.planner.mode is Mode.IDLE
         return self._withdrawn(now_s) if released else []
-
-    def _on_wind(self, wind_mps: tuple[float, float], now_s: float) -> Outputs:
-        self.planner.set_wind(wind_mps, now_s)
-        return []
 
     def _on_autopilot(self, values: dict[str, float], _now_s: float) -> Outputs:
         vehicle = Vehicle(values)
@@ -260,7 +259,7 @@ class PlannerComponent(Component):
         return found
 
     def health(self, now_s: float) -> Health:
-        """Return what it does, and why it does not do more."""
+        """Return what it does, why it does not do more, and how late it is."""
         planner = self.planner
         report = planner.report
         sure = None if report.corner is None else report.corner.sure
@@ -268,7 +267,7 @@ class PlannerComponent(Component):
             sure = None
         return Health(
             self.name,
-            planner.problem,
+            planner.problem or planner.timing.problems(now_s),
             {
                 "corner": planner.situation.corners_seen,
                 "pattern_leg": planner.situation.progress.leg + 1,
@@ -288,6 +287,8 @@ class PlannerComponent(Component):
                 "path_efficiency": f"{report.efficiency:.2f}",
                 "turn_radius_m": f"{planner.turn_radius_m:.0f}",
                 "lag_setpoint_m": f"{report.lag_setpoint_m:.0f}",
+                **planner.timing.values(now_s),
+                "reaction_s": f"{planner.timing.reaction_s(now_s):.1f}",
                 "lists": 0 if planner.list is None else planner.list.number,
             },
         )

@@ -29,6 +29,7 @@ from sar_planner.strategies.deadbeat.strategy import DeadbeatStrategy
 from sar_planner.strategies.follow import FollowStrategy
 from sar_planner.strategies.paper import PaperStrategy
 from sar_planner.strategies.strategy import Strategy, StrategyReport
+from sar_planner.timing import Timing
 
 MAX_WAYPOINTS = 400
 
@@ -68,9 +69,9 @@ class MissionPlanner:
     """Engages, disengages, and hands what is known to the chosen strategy.
 
     ``situation``: takes what is known of the aircraft. ``find``: what was marked, and the circle
-    about it. ``problem``: why the planner cannot do what it should, empty when all is well.
-    ``list``: the newest waypoint list. Raises ``ParameterError`` at construction for parameters
-    outside the rule set's conditions.
+    about it. ``timing``: how late it is. ``problem``: why the planner cannot do what it should,
+    empty when all is well. ``list``: the newest waypoint list. Raises ``ParameterError`` at
+    construction for parameters outside the rule set's conditions.
     """
 
     def __init__(self, corner: CornerParameters, mission: MissionParameters) -> None:
@@ -81,11 +82,10 @@ class MissionPlanner:
         check_planner(mission.rules, own)
         self.situation = Situation(corner, mission.terms, mission.slot)
         self._strategy = STRATEGIES[mission.rules](self.situation, own, mission)
-        self.find = Finding(
-            self.situation,
-            mission,
-            Orbit(self.situation, corner, mission, self._strategy.lists, self._strategy.turns),
-        )
+        lists, turns = self._strategy.lists, self._strategy.turns
+        orbit = Orbit(self.situation, corner, mission, lists, turns)
+        self.find = Finding(self.situation, mission, orbit)
+        self.timing = Timing(mission, (self._strategy, orbit))
         self.engaged = False
         self.problem = ""
         self.list: PlannedList | None = None
@@ -241,10 +241,7 @@ class MissionPlanner:
 
     @property
     def airspeed_mps(self) -> float | None:
-        """The indicated airspeed that this ground speed takes where the UAV will be.
-
-        Within its envelope.
-        """
+        """The indicated airspeed, in its envelope, that this takes where the UAV will be [m/s]."""
         speed = self.speed_mps
         if speed is None:
             return None
@@ -266,6 +263,7 @@ class MissionPlanner:
 
     def update(self, now_s: float) -> PlannedList | None:
         """Return a new waypoint list when one is due."""
+        self.timing.use(now_s)
         if self._new and self.status.tracking_list and self.status.mode == "AUTO":
             self.engage(now_s)  # the UAV was being led when this planner was started
         if not self.engaged:
@@ -276,6 +274,7 @@ class MissionPlanner:
         if self.problem:
             return None
         refused = self._refused(now_s)
+        self.timing.adapt(now_s)
         orbit = self.find.orbit
         listed, waits = orbit.update(now_s), ""
         if not orbit.flying:
@@ -285,7 +284,8 @@ class MissionPlanner:
         speed = report.speed_mps
         self._course_rad = report.course_rad
         slow = "" if speed is None else air.out_of_reach(self._course_rad, speed)
-        self.problem = "; ".join(note for note in (waits, report.problem, slow, refused) if note)
+        notes = waits, report.problem, slow, refused, self.timing.problems(now_s)
+        self.problem = "; ".join(note for note in notes if note)
         if listed is None:
             return None
         name, points = listed
@@ -294,6 +294,7 @@ class MissionPlanner:
             return None
         planned = None if self.mode in (Mode.LEG, Mode.HOLD) else speed
         self.list = self._numbers.list(now_s, points[:MAX_WAYPOINTS], planned, name)
+        self.timing.give(self.list.list_id, now_s)
         return self.list
 
     def _refused(self, now_s: float) -> str:
@@ -312,4 +313,5 @@ class MissionPlanner:
     def set_clock_back(self) -> None:
         """Forget what belongs to a time that has not come yet: the clock was set back."""
         self._strategy.set_clock_back()
+        self.timing.set_clock_back()
         self.situation.set_clock_back()

@@ -95,6 +95,10 @@ class Orbit:
         self._free = FreeFlight(situation, corner)
         self.state: OrbitState | None = None
 
+    def set_reaction(self, reaction_s: float) -> None:
+        """Plan with another time [s] from a decision to the autopilot flying the list."""
+        self._mission = replace(self._mission, reaction_s=reaction_s)
+
     @property
     def flying(self) -> bool:
         """Whether the UAV is on its way to the circle, or on it."""

@@ -134,3 +134,13 @@ def test_an_alert_is_never_hidden_by_anything_else(alert, rule, connected, phase
     assert shown.urgency >= least.get(alert, Urgency.IDLE)
     if alert == "escape":
         assert shown.state == "UAV SENT AWAY"
+
+
+@pytest.mark.parametrize("node", ["planner", "monitor"])
+def test_a_late_laptop_is_a_caution_with_what_to_do(well, with_node, node):
+    late = "laptop is late: fixes 1.8 s old at decision"
+    shown = banner(with_node(well, node, late))
+    assert (shown.urgency, shown.state, shown.reason) == (Urgency.CAUTION, "LAPTOP LATE", late)
+    assert "End" in shown.action
+    other = banner(with_node(well, node, "something else"))
+    assert other.state != "LAPTOP LATE"

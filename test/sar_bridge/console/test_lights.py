@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import pytest
+
 from sar_bridge.console.banner import Urgency
 from sar_bridge.console.lights import lights
 from sar_bridge.console.snapshot import Snapshot
@@ -40,3 +42,10 @@ def test_refused_fixes_and_the_radio_are_told(well, with_node):
     assert by_name(with_node(well, "estimator", refused="3"))["GPS"].text.endswith("3 refused")
     radio = with_node(well, "bridge", radio_rssi="180", radio_noise="40")
     assert by_name(radio)["LINK"].text.endswith("RSSI 180, noise 40")
+
+
+@pytest.mark.parametrize("node", ["planner", "monitor"])
+def test_a_late_node_is_yellow_and_says_how_late(well, with_node, node):
+    late = "laptop is late: fixes 1.8 s old at decision"
+    light = by_name(with_node(well, node, late))[node]
+    assert (light.urgency, light.text) == (Urgency.CAUTION, late)

@@ -158,3 +158,36 @@ def test_health_tells_the_thresholds_and_the_alert():
 def test_a_rate_that_cannot_be_meant_is_named(rate):
     with pytest.raises(ValueError, match="guard_rate_hz"):
         MonitorComponent(MonitorParameters(), HABITS, rate_hz=rate)
+
+
+def test_it_tells_how_late_it_is_and_counts_on_that():
+    component = fed(monitor())
+    component.handle(topics.FIX_TIME, 98.2, 100.0)
+    component.tick(100.0)
+    health = component.health(100.0)
+    assert health.problem == "laptop is late: fixes 1.8 s old at decision"
+    assert health.values["fix_late_s"] == "1.8"
+    assert (health.values["list_late_s"], health.values["delay_s"]) == ("0.0", "1.0")
+    component.handle(topics.WAYPOINTS, listed(SLOT), 100.0)
+    component.handle(topics.UPLOADED, Uploaded(1), 103.0)
+    values = component.health(103.0).values
+    assert (values["list_late_s"], values["delay_s"]) == ("3.0", "3.0")
+    assert component.health(180.0).problem == ""
+
+
+def test_a_way_out_counts_as_a_list_does():
+    component = fed(monitor())
+    component.handle(topics.WAYPOINTS, listed(SLOT), 100.0)
+    component.handle(topics.UPLOADED, Uploaded(1), 100.1)
+    fed(component, 101.0, uav_y=-90.0)
+    (away,) = of(component.tick(101.0), topics.CLEARED)
+    component.handle(topics.UPLOADED, Uploaded(away.list_id), 103.5)
+    assert component.health(103.5).values["list_late_s"] == "2.5"
+
+
+def test_a_list_given_before_the_clock_was_set_back_is_not_late():
+    component = fed(monitor())
+    component.handle(topics.WAYPOINTS, listed(SLOT), 100.0)
+    component.set_clock_back()
+    component.handle(topics.UPLOADED, Uploaded(1), 104.0)
+    assert component.health(104.0).values["list_late_s"] == "0.0"

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from sar_bridge.arduplane.l1_predictor import Route
+from sar_bridge.arduplane.l1_predictor import STEP_S, Route
 from sar_bridge.monitor.gate import FARTHEST_M, Gate, Offered
 from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.outlook import Outlook
@@ -63,3 +63,38 @@ def test_too_near_already_what_is_better_passes():
     assert refusal(gate, nearer, flown=flown)
     held = np.array([[800.0, -160.0], [4000.0, -160.0]])
     assert refusal(gate, held, flown=flown) == ""
+
+
+def make_late(outlook, late_s, now_s=100.0):
+    """Have a list taken so long to the autopilot."""
+    outlook.timing.give(1, now_s - late_s)
+    outlook.timing.flown(1, now_s)
+
+
+@pytest.mark.parametrize("late_s", [2.0, 3.0, 5.0])
+def test_a_list_that_will_be_flown_late_is_looked_at_from_where_the_uav_will_be_then(late_s):
+    """The UAV flies towards the helicopter's track, and the list turns it away in time, or not."""
+    toward = np.array([[300.0, 0.0], [2000.0, 900.0]])
+    away = np.array([[150.0, -500.0], [2000.0, -900.0]])
+    gate, outlook = known(uav_y=-260.0)
+    outlook.set_uav(Motion(100.0, 0.0, -260.0, 15.0, 13.0))
+    flown = Route(toward, outlook.uav)
+    soon = gate._path(Offered(away, None), 100.0, flown)
+    make_late(outlook, late_s)
+    assert outlook.late_s(100.0) == late_s - 1.0
+    late = gate._path(Offered(away, None), 100.0, flown)
+    assert len(late) == len(soon)
+    held = outlook.path(flown, 100.0, late_s, is_flown=True, escaping=False)
+    count = round((late_s - 1.0) / STEP_S)
+    assert late[: count + 1] == pytest.approx(held[: count + 1], abs=0.01)
+    assert late[:, 1].max() > soon[:, 1].max() + 5.0 * (late_s - 1.0)
+
+
+def test_what_passes_where_lists_come_soon_may_be_refused_where_they_come_late():
+    away = np.array([[150.0, -500.0], [2000.0, -900.0]])
+    gate, outlook = known(better_list_m=1000.0)
+    outlook.set_uav(Motion(100.0, 0.0, -240.0, 15.0, 13.0))
+    flown = Route(np.array([[300.0, 0.0], [2000.0, 900.0]]), outlook.uav)
+    assert refusal(gate, away, flown=flown) == ""
+    make_late(outlook, 5.0)
+    assert "m in" in refusal(gate, away, flown=flown)

@@ -99,3 +99,39 @@ def test_another_way_is_looked_for_now_and_then_and_taken_when_clearly_better():
     toward.guard.way_out(toward.look(0.0))
     toward.route = Route(np.array([[300.0, 800.0]]), toward.outlook.uav)
     assert toward.guard.better_way(toward.look(2.0, escaping=True)) is not None
+
+
+def make_late(bench, late_s, now_s=0.0):
+    """Have a list taken so long to the autopilot."""
+    bench.outlook.timing.give(1, now_s - late_s)
+    bench.outlook.timing.flown(1, now_s)
+
+
+@pytest.mark.parametrize("late_s", [3.0, 5.0])
+def test_where_lists_come_late_the_uav_is_sent_away_so_much_sooner(late_s):
+    """Straight towards the helicopter's track: in time is when 10 s are left, and what is late."""
+
+    def first_s(late_s):
+        bench = Bench(AT, uav_y=-400.0, vy=10.0, escape_after_s=1000.0)
+        for step in range(60):
+            make_late(bench, late_s, 0.5 * step)
+            if bench.guard.reason(bench.look(0.5 * step)):
+                return 0.5 * step
+        raise AssertionError("no reason")
+
+    soon = first_s(0.5)
+    assert soon == first_s(1.0)
+    assert first_s(late_s) == pytest.approx(soon - (late_s - 1.0), abs=1.0)
+
+
+@pytest.mark.parametrize(
+    ("late_s", "delay_s"), [(0.0, 1.0), (1.4, 1.0), (1.6, 1.5), (3.0, 3.0), (9.0, 5.0)]
+)
+def test_a_way_out_begins_where_the_uav_will_be_when_it_has_it(late_s, delay_s):
+    bench = Bench(AT, uav_y=-200.0, vy=5.0)
+    make_late(bench, late_s)
+    assert bench.outlook.delay_s(0.0) == delay_s
+    escape = bench.guard.way_out(bench.look(0.0))
+    held = bench.outlook.path(bench.route, 0.0, delay_s, is_flown=True, escaping=False)
+    reach = math.dist(escape.points[0], held[-1])
+    assert reach == pytest.approx(bench.parameters.escape_reach_m, abs=0.1)

@@ -88,3 +88,29 @@ def test_one_that_flies_as_near_to_the_speed_as_its_airspeeds_allow_is_led(
     across_mps = np.abs(np.diff(path[-6:, 1])).mean() / STEP_S
     # Across the wind it is led to 20 m/s over ground; one that keeps its airspeed flies that.
     assert across_mps == pytest.approx(20.0 if matched else uav_mps, abs=1.0)
+
+
+@pytest.mark.parametrize(("late_s", "begun"), [(0.5, False), (1.4, False), (3.0, True)])
+def test_where_fixes_come_late_it_may_have_begun_to_stop_since(late_s, begun):
+    outlook = known()
+    fresh = {one.name: one for one in outlook.futures(100.0)}
+    outlook.timing.hear_fix(100.0 - late_s)
+    outlook.timing.use(100.0)
+    late = {one.name: one for one in outlook.futures(100.0)}
+    assert set(fresh) <= set(late)
+    assert ("stops unseen" in late) is begun
+    if begun:
+        unseen, stops = late["stops unseen"], late["stops"]
+        assert not unseen.likely
+        # So much earlier, it stands as much farther back.
+        assert stops.positions[-1, 0] - unseen.positions[-1, 0] == pytest.approx(20.0 * late_s)
+        assert (unseen.sigma_m >= stops.sigma_m).all()
+
+
+def test_one_whose_gps_is_lost_has_such_futures_already():
+    outlook = known()
+    outlook.timing.hear_fix(97.0)
+    outlook.timing.use(100.0)
+    outlook.helicopter.phase = Phase.LOST
+    names = [one.name for one in outlook.futures(100.0)]
+    assert "goes on unseen" not in names

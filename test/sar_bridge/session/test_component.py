@@ -187,3 +187,11 @@ def test_parameters_are_told_once(flight):
     first = dict(flight.bridge.report(flight.now_s))
     assert first[topics.AUTOPILOT]["NAVL1_PERIOD"] == 15.0
     assert topics.AUTOPILOT not in dict(flight.bridge.report(flight.now_s))
+
+
+def test_it_tells_how_late_lists_come_but_not_of_those_from_before_its_start(flight):
+    flight.give(topics.DATUM, DATUM)
+    flight.give(topics.CLEARED, a_list(1, ROS_S + 40.0))
+    assert flight.bridge.health(flight.now_s).values["list_late_s"] == "0.0"
+    flight.give(topics.CLEARED, a_list(2, ROS_S + flight.now_s - 1.3))
+    assert flight.bridge.health(flight.now_s).values["list_late_s"] == "1.3"

@@ -137,3 +137,37 @@ def test_a_wait_that_fails_once_the_end_was_asked_for_is_the_end(monkeypatch, is
     else:
         node_support.run_node("one", lambda: node)
     assert ended == ([] if is_ok else [0])
+
+
+LOWERED = """
+import os, sys
+from rclpy.node import Node
+from sar_estimator.common.node_support import run_node
+
+class Told(Node):
+    def __init__(self):
+        super().__init__("told")
+        threads = os.listdir("/proc/self/task")
+        values = {os.getpriority(os.PRIO_PROCESS, int(thread)) for thread in threads}
+        print(len(threads) > 1, sorted(values), flush=True)
+        raise ValueError("enough")
+
+sys.exit(run_node("record", Told))
+"""
+
+
+@pytest.mark.graph
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize(("given", "told"), [("1", "True [10]"), ("0", "True [0]")])
+def test_all_threads_of_a_node_have_its_priority(given, told):
+    """Also those of the middleware, which begin with the node."""
+    done = subprocess.run(
+        [sys.executable, "-c", LOWERED],
+        capture_output=True,
+        text=True,
+        timeout=50,
+        check=False,
+        env=dict(os.environ, ROS_DOMAIN_ID="96", SAR_PRIORITIES=given),
+    )
+    assert done.returncode == 2
+    assert done.stdout.strip() == told

@@ -113,3 +113,14 @@ def test_a_receivers_accuracy_counts_where_it_is_worse_than_what_is_believed():
     ):
         component.handle(topic, Velocity(1.0, 20.0, 0.0, sigma), 1.0)
     assert sigmas == [0.1, 0.4, 0.1, 0.1]
+
+
+def test_the_time_of_a_fix_is_told_before_what_rests_on_it():
+    component = EstimatorComponent(EstimatorParameters(), DATUM)
+    told = component.handle(topics.FIX, fix_at(10.0, 0.0), 10.4)
+    assert told[0] == (topics.DATUM, DATUM)
+    assert told[1] == (topics.FIX_TIME, 10.0)
+    assert component.health(10.4).values["fix_late_s"] == "0.4"
+    again = component.handle(topics.FIX, fix_at(10.0, 0.0), 13.0)
+    assert topics.FIX_TIME not in [topic for topic, _ in again]
+    assert component.health(13.0).values["fix_late_s"] == "0.4"

@@ -160,7 +160,8 @@ def test_bag_is_standard_and_holds_the_graphs_topics(flown):
         "/helicopter/leg", "/helicopter/odometry", "/helicopter/phase", "/helicopter/prediction",
         "/monitor/state", "/planner/corner", "/planner/lag", "/planner/mission", "/planner/mode",
         "/planner/path", "/planner/pattern",
-        "/sim/corner", "/sim/helicopter", "/sim/scenario", "/sim/uav", "/uav/cleared", "/uav/state",
+        "/helicopter/fix_time", "/sim/corner", "/sim/helicopter", "/sim/scenario", "/sim/uav",
+        "/uav/cleared", "/uav/state",
         "/uav/uploaded", "/uav/wind",
         "/uav/odometry", "/uav/waypoints",
     } == topics  # fmt: skip

@@ -8,8 +8,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from sar_bridge.console.snapshot import LEADING, OWN, STALE_S, Snapshot
+from sar_estimator.common.lateness import LATE
 from sar_estimator.common.states import Phase
 
+END_OTHERS = "End what else runs on this laptop."
 FIGURES = re.compile(r"-?[\d.]+")
 CRUISING = ("leg", "rejoin", "hold", "orbit")
 
@@ -148,13 +150,17 @@ def _planner(snapshot: Snapshot) -> Iterator[Banner]:
     if problem.startswith("released"):
         do = "Somebody has the UAV. ENGAGE when it may be led again."
         yield Banner(Urgency.CAUTION, "UAV RELEASED", problem, do)
+    elif problem.startswith(LATE):
+        yield Banner(Urgency.CAUTION, "LAPTOP LATE", problem, END_OTHERS)
     elif problem:
         yield Banner(Urgency.CAUTION, "FORMATION", problem, "")
     for name, told in sorted(snapshot.nodes.items()):
         if name != "planner" and not told.is_stale and told.health.problem:
             state = "RECORDER" if name == "record" else name.upper()
-            shared = name not in OWN
-            yield Banner(Urgency.CAUTION, state, told.health.problem, is_shared=shared)
+            shared, do = name not in OWN, ""
+            if told.health.problem.startswith(LATE):
+                state, do = "LAPTOP LATE", END_OTHERS
+            yield Banner(Urgency.CAUTION, state, told.health.problem, do, is_shared=shared)
 
 
 def _problem(snapshot: Snapshot, name: str) -> str:

@@ -66,6 +66,7 @@ class MonitorComponent(Component):
         self.inputs = {
             topics.WAYPOINTS: self._on_list,
             topics.HELICOPTER_ODOMETRY: self._on_helicopter,
+            topics.FIX_TIME: keep(self.monitor.outlook.timing.hear_fix),
             topics.LEG: keep(self.monitor.helicopter.set_leg),
             topics.CORNER: self._on_covariance,
             topics.PREDICTION: self._on_corner,
@@ -118,7 +119,8 @@ class MonitorComponent(Component):
         self._led, self._armed = status.mode in LED_MODES, status.armed
         return []
 
-    def _on_uploaded(self, uploaded: Uploaded, _now_s: float) -> Outputs:
+    def _on_uploaded(self, uploaded: Uploaded, now_s: float) -> Outputs:
+        self.monitor.outlook.timing.flown(uploaded.list_id, now_s)
         self.monitor.set_uploaded(uploaded.list_id)
         return []
 
@@ -131,6 +133,8 @@ class MonitorComponent(Component):
     def _on_list(self, waypoints: WaypointList, now_s: float) -> Outputs:
         """Hand a list on when it may pass; a withdrawal always does."""
         monitor, self._early = self.monitor, None
+        timing = monitor.outlook.timing
+        timing.use(now_s)
         if len(waypoints.points) == 0:
             monitor.withdraw()
             return [(topics.CLEARED, waypoints), *self._state_outputs()]
@@ -141,6 +145,7 @@ class MonitorComponent(Component):
             waypoints.points, waypoints.list_id, now_s, speed_mps=waypoints.speed_mps
         ):
             found.append((topics.CLEARED, waypoints))
+            timing.give(waypoints.list_id, now_s)
         else:
             found.append((NOTICES, Notice("warning", monitor.reason)))
         return found + self._state_outputs()
@@ -148,6 +153,8 @@ class MonitorComponent(Component):
     def tick(self, now_s: float) -> Outputs:
         """Look at what is flown."""
         found: Outputs = []
+        timing = self.monitor.outlook.timing
+        timing.use(now_s)
         if self._early is not None and not self.monitor.unseen:
             found += self._on_list(self._early, now_s)
         present = self.monitor.present
@@ -161,6 +168,7 @@ class MonitorComponent(Component):
                 list_id_at(escape.time_s), escape.time_s, escape.points, climb_m=escape.climb_m
             )
             found.append((topics.CLEARED, away))
+            timing.give(away.list_id, now_s)
             found.append((NOTICES, Notice("error", self.monitor.reason)))
         return found + self._state_outputs()
 
@@ -184,9 +192,13 @@ class MonitorComponent(Component):
         )
         return [(topics.MONITOR, report)]
 
-    def health(self, now_s: float) -> Health:  # noqa: ARG002
-        """Return the alert, and how near a conflict is."""
-        monitor = self.monitor
+    def set_clock_back(self) -> None:
+        """Forget what has not come yet."""
+        self.monitor.outlook.timing.set_clock_back()
+
+    def health(self, now_s: float) -> Health:
+        """Return the alert, how near a conflict is, and how late the monitor is."""
+        monitor, timing = self.monitor, self.monitor.outlook.timing
         alert = "" if monitor.alert is Alert.NONE else f"{monitor.alert}: {monitor.nearest}"
         nearest_m = monitor.nearest.distance_m
         values: dict[str, Any] = {
@@ -194,7 +206,10 @@ class MonitorComponent(Component):
             "nearest_m": f"{nearest_m:.0f}" if math.isfinite(nearest_m) else "",
             **{str(name): count for name, count in monitor.counts.items()},
             **monitor.thresholds,
+            **timing.values(now_s),
+            "delay_s": f"{monitor.outlook.delay_s(now_s):.1f}",
         }
         severe = monitor.escape is not None
         problem = monitor.reason or alert or self._too_near or monitor.present.adsb
+        problem = problem or timing.problem(now_s, monitor.parameters.late_fix_s)
         return Health(self.name, problem, values, severe=severe)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sar_bridge.arduplane.l1_predictor import Route
+from sar_bridge.arduplane.l1_predictor import STEP_S, Route, motion_at_end
 from sar_bridge.monitor.helicopter_hypotheses import Future
 from sar_bridge.monitor.outlook import NO_APPROACH, ClosestApproach, Outlook
 from sar_bridge.monitor.parameters import MonitorParameters
@@ -52,20 +52,43 @@ class Gate:
             return f"list refused: {obstacle}"
         assert outlook.uav is not None
         futures = outlook.futures(now_s)
-        ahead = self._near(offered.route(outlook.uav), futures, now_s, is_flown=False)
+        ahead = self._near(self._path(offered, now_s, flown), futures)
         if ahead is NO_APPROACH:
             return ""
         held = flown or Route(np.empty((0, 2)), outlook.uav)
-        before = self._near(held, futures, now_s, is_flown=flown is not None)
+        before = self._near(self._path_on(held, now_s, is_flown=flown is not None), futures)
         better = ahead.distance_m > before.distance_m + self._p.better_list_m
         return "" if better else f"list refused: {ahead}"
 
-    def _near(
-        self, route: Route, futures: list[Future], now_s: float, *, is_flown: bool
-    ) -> ClosestApproach:
-        """Return how a route breaks what is asked for; ``NO_APPROACH`` where it does not."""
+    def _path_on(self, route: Route, now_s: float, *, is_flown: bool) -> FloatArray:
+        """Return where the UAV will be on a route from now on."""
+        horizon_s = self._p.horizon_s
+        return self._outlook.path(route, now_s, horizon_s, is_flown=is_flown, escaping=False)
+
+    def _path(self, offered: Offered, now_s: float, flown: Route | None) -> FloatArray:
+        """Return where the UAV will be on a list that is offered.
+
+        Where lists come late to the autopilot, it flies on so much longer on the one that it has.
+        """
+        outlook, late_s = self._outlook, self._outlook.late_s(now_s)
+        assert outlook.uav is not None
+        if flown is None or late_s < STEP_S:
+            return self._path_on(offered.route(outlook.uav), now_s, is_flown=False)
+        before = outlook.path(flown, now_s, late_s + STEP_S, is_flown=True, escaping=False)
+        here = motion_at_end(before, now_s + late_s)
+        after = outlook.path(
+            offered.route(here),
+            here.time_s,
+            max(self._p.horizon_s - late_s, STEP_S),
+            is_flown=False,
+            escaping=False,
+            uav=here,
+        )
+        return np.vstack((before[:-2], after))
+
+    def _near(self, path: FloatArray, futures: list[Future]) -> ClosestApproach:
+        """Return how a path breaks what is asked for; ``NO_APPROACH`` where it does not."""
         p, outlook = self._p, self._outlook
-        path = outlook.path(route, now_s, p.horizon_s, is_flown=is_flown, escaping=False)
         near = outlook.apart(path, futures)
         likely = outlook.closest(near, p.gate_sigmas, p.horizon_s, only_likely=True)
         any_soon = outlook.closest(near, p.gate_sigmas, p.possible_horizon_s)

@@ -47,8 +47,9 @@ class Guard:
         self._chosen_s = -math.inf
 
     def look(self, route: Route, now_s: float, *, escaping: bool) -> Look:
-        """Look at a route that is flown."""
+        """Look at a route that is flown; farther ahead where a way out would be flown late."""
         p, outlook = self._p, self._outlook
+        more_s = outlook.late_s(now_s)
         futures = outlook.futures(now_s)
         path = outlook.path(route, now_s, p.alert_horizon_s, is_flown=True, escaping=escaping)
         near = outlook.apart(path, futures)
@@ -58,8 +59,10 @@ class Guard:
             futures,
             near,
             nearest=outlook.closest(near, 0.0, p.alert_horizon_s, only_likely=True),
-            soon=outlook.closest(near, -p.guard_sigmas, p.possible_horizon_s),
-            later=outlook.closest(near, p.gate_sigmas, p.escape_horizon_s, only_likely=True),
+            soon=outlook.closest(near, -p.guard_sigmas, p.possible_horizon_s + more_s),
+            later=outlook.closest(
+                near, p.gate_sigmas, p.escape_horizon_s + more_s, only_likely=True
+            ),
             lost_s=self._lost_for(now_s),
             escaping=escaping,
         )
@@ -122,7 +125,7 @@ class Guard:
     def _best_way(self, look: Look) -> tuple[Escape, float]:
         """Return the escape that is worth most, at this height or climbing, and its worth [m]."""
         p, outlook = self._p, self._outlook
-        delay_s = STEP_S * round(p.escape_delay_s / STEP_S)
+        delay_s = outlook.delay_s(look.now_s)
         flown = outlook.path(
             look.route, look.now_s, delay_s + STEP_S, is_flown=True, escaping=look.escaping
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from sar_bridge.monitor.helicopter_hypotheses import Future, Helicopter
 from sar_bridge.monitor.helicopter_model import HelicopterModel
 from sar_bridge.monitor.other_futures import OtherFutures
 from sar_bridge.monitor.parameters import MonitorParameters
+from sar_estimator.common.lateness import Punctuality, counted_s
 from sar_estimator.common.other_uavs import OtherUavs
 from sar_estimator.common.states import FloatArray, Motion, Phase
 
@@ -44,6 +45,8 @@ class Outlook:
 
     ``tuning``: of the autopilot's guidance. ``above_m``: the UAV's height above the helicopter,
     ``altitude_m``: its altitude, NaN where they are not known. ``others``: the other UAVs.
+    ``timing``: how old fixes are when they are looked at, and how long lists take from here to the
+    autopilot.
     """
 
     def __init__(
@@ -55,6 +58,7 @@ class Outlook:
             layer_m=parameters.layer_separation_m,
             stale_s=parameters.lost_s,
         )
+        self.timing = Punctuality()
         self.altitude_m = math.nan
         self.helicopter = Helicopter(model)
         self.tuning = FollowerTuning()
@@ -101,20 +105,49 @@ class Outlook:
                 return f"{name} position {age:.1f} s old (limit {self._p.stale_s:g} s)"
         return "helicopter GPS lost" if self.helicopter.phase is Phase.LOST else ""
 
+    def delay_s(self, now_s: float) -> float:
+        """Return in how long [s] the UAV flies what is sent to it now, a multiple of ``STEP_S``."""
+        p = self._p
+        late_s, most_s = self.timing.lists.value_s(now_s), min(p.most_delay_s, p.escape_horizon_s)
+        return STEP_S * round(counted_s(late_s, p.escape_delay_s, most_s) / STEP_S)
+
+    def late_s(self, now_s: float) -> float:
+        """Return by how much that is longer than ``escape_delay_s`` [s]."""
+        return self.delay_s(now_s) - STEP_S * round(self._p.escape_delay_s / STEP_S)
+
     def futures(self, now_s: float) -> list[Future]:
         """Return where helicopter and other UAVs may be, every ``STEP_S`` from now on."""
         others = self.others.futures(now_s, self._times, self.altitude_m, self.wind_mps)
-        return self.helicopter.futures(now_s, self._times) + others
+        return self.helicopter.futures(now_s, self._times) + self._unseen(now_s) + others
+
+    def _unseen(self, now_s: float) -> list[Future]:
+        """Return what the helicopter may have begun since its newest fix, where fixes come late.
+
+        One whose GPS is lost has such futures already.
+        """
+        since_s = min(self.timing.fixes.value_s(now_s), self._p.most_delay_s)
+        if since_s < self._p.late_fix_s or self.helicopter.phase is Phase.LOST:
+            return []
+        found = self.helicopter.futures(now_s - since_s, self._times + since_s)
+        return [replace(one, name=f"{one.name} unseen", likely=False) for one in found]
 
     def path(
-        self, route: Route, now_s: float, horizon_s: float, *, is_flown: bool, escaping: bool
+        self,
+        route: Route,
+        now_s: float,
+        horizon_s: float,
+        *,
+        is_flown: bool,
+        escaping: bool,
+        uav: Motion | None = None,
     ) -> FloatArray:
         """Return where the UAV will be on a route, every ``STEP_S`` from now on, shape (n, 2).
 
         It is taken to go to the speed planned for the route, or the helicopter's, as it is led,
-        while it is seen to; where it does not, or is sent away, to keep its airspeed.
+        while it is seen to; where it does not, or is sent away, to keep its airspeed. ``uav``: from
+        another motion than its newest, from that one's time on.
         """
-        uav = self.uav
+        uav = uav or self.uav
         assert uav is not None
         matched = not escaping and abs(self._off_mps) < self._p.matched_mps
         late_s = min(max(now_s - uav.time_s, 0.0), self._p.lost_s)

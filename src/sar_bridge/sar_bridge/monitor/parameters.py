@@ -35,7 +35,11 @@ class MonitorParameters:
         `possible_horizon_s` away.
     clear_s: how long all must be well before the planner leads again.
     escape_delay_s: from the choice of an escape until the UAV turns: link, upload, the
-        autopilot.
+        autopilot; where lists are measured to take half a second longer to the autopilot, as
+        long as they do.
+    most_delay_s: of what is measured of it, counted on at most.
+    late_fix_s: age of fixes when they are looked at, from which on that is told, and what the
+        helicopter may have begun since is possible.
     escape_climb_m: how far an escape climbs, where that separates more.
     escape_reach_m: how far away an escape ends (in a loiter).
     stale_s: age of a position from which on no list passes.
@@ -70,6 +74,8 @@ class MonitorParameters:
     escape_after_s: NotNegative = 4.0
     clear_s: NotNegative = 5.0
     escape_delay_s: NotNegative = 1.0
+    most_delay_s: NotNegative = 5.0
+    late_fix_s: Positive = 1.5
     escape_climb_m: NotNegative = 40.0
     escape_reach_m: NotNegative = 1500.0
     stale_s: NotNegative = 3.0

@@ -18,6 +18,7 @@ from sar_bridge.session.session import AutopilotSession
 from sar_estimator.common import topics
 from sar_estimator.common.component import NOTICES, Answer, Component, Notice, Outputs
 from sar_estimator.common.geodesy import Datum
+from sar_estimator.common.lateness import Lateness
 from sar_estimator.common.reports import Health, UavReport, UavStatus, Uploaded, WaypointList
 
 LINK = "mavlink"
@@ -81,6 +82,7 @@ class BridgeComponent(Component):
         self._sent_boot_s = 0.0
         self._sent_upload: object = None
         self._sent_autopilot: dict[str, float] = {}
+        self._lateness = Lateness()
         self.inputs = {
             topics.CLEARED: self._on_list,
             topics.SPEED: self._on_speed,
@@ -99,6 +101,8 @@ class BridgeComponent(Component):
         if not (np.isfinite(waypoints.points).all() and math.isfinite(waypoints.climb_m)):
             text = "waypoint list with a position that is no number: refused"
             return [(NOTICES, Notice("error", text))]
+        if 0.0 < self._started_s <= waypoints.time_s:  # one from before is latched, not late
+            self._lateness.add(self.ros_s - waypoints.time_s, self.ros_s)
         if self._datum is not None:
             return self._take_list(waypoints, self._datum, now_s)
         self._early_list = waypoints
@@ -260,6 +264,7 @@ class BridgeComponent(Component):
             "airspeed_mps": _figure(session.state.wind.airspeed_mps),
             **self.vehicle.values,
             "uav_text": self.vehicle.text,
+            "list_late_s": f"{self._lateness.value_s(self.ros_s):.1f}",
             "upload_ms": "" if accepted is None else f"{1e3 * accepted.duration_s:.0f}",
         }
         dead, problem = not session.connected(now_s), session.problem(now_s)

@@ -86,3 +86,13 @@ def keep(setter: Callable[[Any], None]) -> Handler:
         return []
 
     return handle
+
+
+def keep_at(setter: Callable[[Any, float], None]) -> Handler:
+    """Return a handler that hands a value to a setter, and when [s] it came; publishes nothing."""
+
+    def handle(value: Any, now_s: float) -> Outputs:
+        setter(value, now_s)
+        return []
+
+    return handle

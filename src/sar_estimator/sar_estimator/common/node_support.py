@@ -23,6 +23,7 @@ from std_srvs.srv import Trigger
 
 from sar_estimator.common.loopback import stay_on_machine
 from sar_estimator.common.node_parameters import refuse_unknown_parameters
+from sar_estimator.common.priorities import set_priority
 
 PATIENCE_S = 8.0
 ASK_AGAIN_S = 0.5
@@ -148,12 +149,18 @@ def _end_when_asked() -> None:
 
 
 def run_node(name: str, make: Callable[[], Node]) -> int:
-    """Run a node until SIGINT, SIGTERM or shutdown; 2 and one line when it refuses to start."""
+    """Run a node until SIGINT, SIGTERM or shutdown; 2 and one line when it refuses to start.
+
+    Its process is raised or lowered as ``priorities`` has it.
+    """
+    priority = set_priority(name, os.environ)
     _end_when_asked()
     start_ros()
     try:
         node = make()
         refuse_unknown_parameters(node)
+        if priority:
+            node.get_logger().info(priority)
     except (ValueError, OSError) as error:
         sys.stderr.write(f"{name}: {error}\n")
         end_process(2)

@@ -1,6 +1,7 @@
 """The graph's topic and service names, each in one place."""
 
 FIX = "/helicopter/fix"
+FIX_TIME = "/helicopter/fix_time"
 VELOCITY = "/helicopter/vel"
 FIX_VELOCITY = "/helicopter/fix_velocity"
 ADSB = "/helicopter/adsb"
@@ -47,6 +48,7 @@ CLOCK = "/clock"
 COMMON = frozenset(
     {
         FIX,
+        FIX_TIME,
         VELOCITY,
         FIX_VELOCITY,
         ADSB,

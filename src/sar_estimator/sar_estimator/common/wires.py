@@ -283,6 +283,14 @@ WIRES: dict[str, Wire] = {
         _target,
         _same,
     ),
+    topics.FIX_TIME: Wire(
+        "when the newest fix was that motion, leg and corner rest on",
+        Clock,
+        RELIABLE,
+        lambda fix_s, _: Clock(clock=conversions.to_stamp(fix_s)),
+        lambda message: conversions.from_stamp(message.clock),
+        conversions.stamped_s,
+    ),
     topics.DATUM: Wire(
         "the map's origin", NavSatFix, LATCHED, conversions.datum_message, _datum, _same
     ),

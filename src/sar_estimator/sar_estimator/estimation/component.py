@@ -9,6 +9,7 @@ from sar_estimator.common import topics
 from sar_estimator.common.component import Component, Outputs
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.gps_fix import Fix
+from sar_estimator.common.lateness import Lateness
 from sar_estimator.common.reports import Health, Velocity
 from sar_estimator.common.states import CornerEstimate, LegEstimate, MotionEstimate, Phase
 from sar_estimator.estimation.estimator import HelicopterEstimator
@@ -67,6 +68,7 @@ class EstimatorComponent(Component):
     outputs = (
         topics.HELICOPTER_ODOMETRY,
         topics.HELICOPTER_ACCEL,
+        topics.FIX_TIME,
         topics.LEG,
         topics.CORNER,
         topics.PREDICTION,
@@ -97,6 +99,7 @@ class EstimatorComponent(Component):
         self._phase: Phase | None = None
         self._datum_published = False
         self._tells_sigma = False
+        self._lateness = Lateness()
         self.inputs = {
             topics.FIX: self._on_fix,
             topics.VELOCITY: self._on_velocity,
@@ -107,10 +110,12 @@ class EstimatorComponent(Component):
         """Tell of the map's origin where it was given."""
         return self._datum_outputs()
 
-    def _on_fix(self, fix: Fix, _now_s: float) -> Outputs:
+    def _on_fix(self, fix: Fix, now_s: float) -> Outputs:
         if not self.estimator.add_fix(fix).moved:
             return []
-        return [*self._datum_outputs(), *self._changed(fix.time_s)]
+        self._lateness.add(now_s - fix.time_s, now_s)
+        told = [(topics.FIX_TIME, fix.time_s)]
+        return [*self._datum_outputs(), *told, *self._changed(fix.time_s)]
 
     def _on_velocity(self, velocity: Velocity, _now_s: float) -> Outputs:
         return [] if self._tells_sigma else self._add(velocity)
@@ -149,7 +154,7 @@ class EstimatorComponent(Component):
         return [(topics.DATUM, datum)]
 
     def health(self, now_s: float) -> Health:
-        """Return its phase, and what became of all fixes."""
+        """Return its phase, what became of all fixes, and how old they were when they came."""
         estimator = self.estimator
         phase = estimator.phase(now_s)
         counts = {verdict.value: n for verdict, n in estimator.counts.items()}
@@ -162,6 +167,7 @@ class EstimatorComponent(Component):
                 "refused": sum(n for name, n in counts.items() if name != Verdict.ACCEPTED.value),
                 "refused_velocities": estimator.refused_velocities,
                 "withdrawn_corners": estimator.withdrawn_corners,
+                "fix_late_s": f"{self._lateness.value_s(now_s):.1f}",
             },
             severe=phase is Phase.LOST,
         )

@@ -42,7 +42,10 @@ class MissionParameters:
     turn_share: an L1-guided autopilot's turn rate at a bank, over that of a coordinated turn.
     roll_lag_s: from its demand to the bank.
     speed_lead_s: how far ahead of the UAV the airspeed asked for is chosen.
-    reaction_s: from a decision to the autopilot flying the new list.
+    reaction_s: from a decision to the autopilot flying the new list; where that is measured to take
+        half a second longer, as long as it does.
+    most_reaction_s: of what is measured of it, planned with at most.
+    late_fix_s: age of fixes when they are planned with, from which on that is told.
     horizon_m: how far ahead of the UAV its list reaches.
     slot_tolerance_m: shift of the slot track that is worth a new list at once; half of it every
         550 m later, down to 0.3 of it.
@@ -92,6 +95,8 @@ class MissionParameters:
     roll_lag_s: NotNegative = 0.35
     speed_lead_s: NotNegative = 3.5
     reaction_s: NotNegative = 1.0
+    most_reaction_s: NotNegative = 5.0
+    late_fix_s: Positive = 1.5
     horizon_m: Positive = 4000.0
     slot_tolerance_m: Positive = 10.0
     capture_m: Positive = 150.0

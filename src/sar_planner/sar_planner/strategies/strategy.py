@@ -57,6 +57,10 @@ class Strategy(ABC):
         self._corner = replace(corner, turn_radius_m=radius_m)
         self.lists.set_corner(corner)
 
+    def set_reaction(self, reaction_s: float) -> None:
+        """Plan with another time [s] from a decision to the autopilot flying the list."""
+        self._mission = replace(self._mission, reaction_s=reaction_s)
+
     def _learn_radius(self, *, on_path: bool) -> bool:
         """Plan with the radius that the UAV turns with; return whether it is news.
 

@@ -128,7 +128,7 @@ class OfflineFlight:
         told = scenario.planner_parameters(number, recorded=world.helicopter is None)
         mission = MissionParameters(**told, rules=rules)
         if self._truth:
-            mission = replace(mission, reaction_s=0.0)
+            mission = replace(mission, reaction_s=0.0, most_reaction_s=0.0)
         autopilot = world.autopilots[member.name]
         bridge = SimulatedBridge(
             autopilot,

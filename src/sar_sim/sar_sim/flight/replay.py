@@ -350,6 +350,7 @@ INPUTS = (
     topics.FIX,
     topics.VELOCITY,
     topics.FIX_VELOCITY,
+    topics.FIX_TIME,
     topics.DATUM,
     topics.UAV_ODOMETRY,
     topics.UAV_STATE,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 import socket
 import sys
@@ -15,7 +16,7 @@ import yaml
 from ament_index_python.packages import get_package_prefix
 
 from sar_bridge.mavlink.link import opener
-from sar_estimator.common import topics
+from sar_estimator.common import priorities, topics
 from sar_estimator.common.completion import add_completion, of_file, of_folder
 from sar_estimator.common.node_support import Persistent
 from sar_estimator.gps.source import check_url
@@ -211,6 +212,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     params = parser.add_argument(
         "--params", type=Path, help="node parameters, default config/params.yaml"
     )
+    parser.add_argument(
+        "--no-priorities", action="store_true", help="raise and lower no node's priority"
+    )
     parser.add_argument("--setup", action="store_true", help="only set up and build")
     of_folder(tiles)
     of_file(params)
@@ -271,6 +275,8 @@ def main(argv: list[str] | None = None) -> int:
     except (OSError, ValueError, ParameterError) as error:
         sys.stderr.write(f"launch: {error}\n")
         return 2
+    if args.no_priorities:
+        os.environ.update([priorities.OFF])
     watcher = start_watching([spec.uav for spec in flight.specs if spec.executable == "planner"])
     engaging = {
         name: Persistent(watcher, topics.name_of(topics.of_uav(topics.ENGAGE, name)), ASK_AGAIN_S)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import sys
 from functools import partial
 from pathlib import Path
@@ -23,7 +22,6 @@ from sar_estimator.common.conversions import diagnostics
 from sar_estimator.common.node_parameters import parameters
 from sar_estimator.common.node_support import now_s, report_each_second, run_node
 
-YIELDING = 5  # of niceness: what flies comes first, and a thousand messages of a topic can wait
 DISCOVERY_PERIOD_S = 0.25
 FLUSH_PERIOD_S = 0.9
 
@@ -47,7 +45,6 @@ class RecordNode(Node):
     def __init__(self) -> None:
         """Open the bag."""
         super().__init__("record")
-        os.nice(YIELDING)
         folder = parameters(self, RecordParameters).bag
         if not folder:
             raise ValueError("parameter bag: expected a folder that does not exist yet")

@@ -6,6 +6,7 @@ The node is the graph's clock, so it runs its own loop instead of an executor's 
 from __future__ import annotations
 
 import math
+import os
 import sys
 import time
 from pathlib import Path
@@ -34,6 +35,7 @@ from sar_estimator.common.node_support import (
     start_ros,
 )
 from sar_estimator.common.pose import Pose
+from sar_estimator.common.priorities import set_priority
 from sar_estimator.common.reports import Target
 from sar_sim.bags.tracks import load_track
 from sar_sim.nodes.autopilot_links import links_of
@@ -221,6 +223,7 @@ class SimNode(Node):
 
 def main() -> int:
     """Fly the scenario; 2 when it cannot be flown."""
+    set_priority("sim", os.environ)
     start_ros()
     node: SimNode | None = None
     try:
