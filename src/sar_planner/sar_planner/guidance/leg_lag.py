@@ -6,17 +6,10 @@ along the leg. It begins the leg as far ahead, or behind, as it will lose, or ga
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from sar_planner.guidance.wind_triangle import AirEnvelope
 
 GUST_SIGMAS = 0.8
 """Kept in hand for what a leg's own mean wind may be more than that over minutes."""
-
-
-def steady(air: AirEnvelope) -> AirEnvelope:
-    """Return the same airspeeds in the wind over minutes, where that is known."""
-    return air if air.steady is None else replace(air, wind_mps=air.steady.mean_mps)
 
 
 def drift_m(air: AirEnvelope, course_rad: float, speed_mps: float, left_m: float) -> float:
@@ -27,8 +20,8 @@ def drift_m(air: AirEnvelope, course_rad: float, speed_mps: float, left_m: float
     """
     if air.steady is None:
         return 0.0
-    slowest, fastest = steady(air).on_course_mps(course_rad)
-    gusts = GUST_SIGMAS * air.steady.gusts_mps
+    slowest, fastest = air.over_minutes.on_course_mps(course_rad)
+    gusts = GUST_SIGMAS * air.gusts_mps
     falls_behind = max(0.0, speed_mps + gusts - fastest)
     comes_ahead = max(0.0, slowest + gusts - speed_mps)
     if falls_behind > 0.0 and comes_ahead > 0.0:
@@ -41,5 +34,5 @@ def late_m(air: AirEnvelope, course_rad: float, slow_mps: float, way_m: float) -
 
     ``way_m``: on that course. 0 where the UAV can fly as slowly.
     """
-    slowest = steady(air).on_course_mps(course_rad)[0]
+    slowest = air.over_minutes.on_course_mps(course_rad)[0]
     return max(0.0, slowest / slow_mps - 1.0) * way_m

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,6 +25,16 @@ class AirEnvelope:
     fastest_mps: float = math.inf
     wind_mps: tuple[float, float] = (0.0, 0.0)
     steady: SteadyWind | None = None
+
+    @property
+    def over_minutes(self) -> AirEnvelope:
+        """The same airspeeds in the wind over minutes, where that is known."""
+        return self if self.steady is None else replace(self, wind_mps=self.steady.mean_mps)
+
+    @property
+    def gusts_mps(self) -> float:
+        """The standard deviation of gusts along an axis, 0 where it is not known."""
+        return 0.0 if self.steady is None else self.steady.gusts_mps
 
     def airspeed_mps(self, course_rad: float, ground_speed_mps: float) -> float:
         """Return the airspeed [m/s] that a ground speed on a course takes, within the envelope."""
@@ -64,10 +74,7 @@ class AirEnvelope:
 
         The first is more than the second where there is none.
         """
-        wind, gusts = self.wind_mps, 0.0
-        if self.steady is not None:
-            wind, gusts = self.steady.mean_mps, self.steady.gusts_mps
-        spare = math.hypot(*wind) + gusts
+        spare = math.hypot(*self.over_minutes.wind_mps) + self.gusts_mps
         return self.slowest_mps + spare, self.fastest_mps - spare
 
     def _needed_mps(self, course_rad: float, ground_speed_mps: float) -> float:

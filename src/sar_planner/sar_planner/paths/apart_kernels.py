@@ -56,6 +56,14 @@ def from_origin(a_x: float, a_y: float, b_x: float, b_y: float) -> float:
     return math.sqrt(a_x * a_x + a_y * a_y)
 
 
+@compiled("UniTuple(float64, 2)(UniTuple(float64, 5))")
+def _phase_ends_s(pace: Pace) -> tuple[float, float]:
+    """Return when the lead-in is flown, and the path [s]."""
+    lead_m, lead_mps, length_m, speed_mps, _ = pace
+    lead_s = lead_m / lead_mps
+    return lead_s, lead_s + max(length_m - lead_m, 0.0) / speed_mps
+
+
 @compiled(
     "float64(float64[:, ::1], UniTuple(float64, 5), float64[:, ::1], float64, float64[:, ::1],"
     " int64)"
@@ -66,8 +74,7 @@ def _fill_gap(
     """Fill in the gap of a knot whose time, part and stretch are known; return the distance."""
     lead_m, lead_mps, length_m, speed_mps, cruise_mps = pace
     since = knots[at, SINCE_S]
-    lead_s = lead_m / lead_mps
-    flown_s = lead_s + max(length_m - lead_m, 0.0) / speed_mps
+    lead_s, flown_s = _phase_ends_s(pace)
     if since < lead_s:
         flown = lead_mps * since
     elif since < flown_s:
@@ -101,8 +108,7 @@ def _cut_at_kinks(
     No further once nearer than ``enough_m``. A least distance of 0 where there is no room for all.
     """
     lead_m, lead_mps, length_m, speed_mps, cruise_mps = pace
-    lead_s = lead_m / lead_mps
-    flown_s = lead_s + max(length_m - lead_m, 0.0) / speed_mps
+    lead_s, flown_s = _phase_ends_s(pace)
     last_part, last_stretch = parts.shape[1] - 1, forecast.shape[1] - 1
     part, stretch = 0, -1
     since, count, least = 0.0, 1, math.inf
@@ -202,9 +208,7 @@ def least_apart(
     knots: FloatArray,
 ) -> float:
     """Return ``least_until`` the path is flown and the helicopter is steady, at ``steady_s``."""
-    lead_m, lead_mps, length_m, speed_mps, _ = pace
-    flown_s = lead_m / lead_mps + max(length_m - lead_m, 0.0) / speed_mps
-    end_s = max(flown_s, steady_s - start_s)
+    end_s = max(_phase_ends_s(pace)[1], steady_s - start_s)
     return least_until(parts, pace, forecast, start_s, end_s, enough_m, sure_m, knots)
 
 

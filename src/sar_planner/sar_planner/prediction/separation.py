@@ -20,7 +20,6 @@ from sar_planner.paths.flight_path import FlightPath, FloatArray
 from sar_planner.paths.slot_intercept import PathBatch, radii_m
 from sar_planner.prediction.forecast import Forecast, cornering
 
-STANDING_S = 60.0
 BESIDE_S = 6.0
 
 
@@ -32,23 +31,16 @@ class ClosestApproach:
     time_s: float
 
 
-def corner_forecast(p: CornerParameters, turn_rad: float = 0.5 * math.pi) -> Forecast:
-    """Return the helicopter's motion at a corner, in the corner's frame, slowing from time 0."""
-    return cornering(
-        0.0,
-        Pose(0.0, 0.0, 0.0),
-        speed_mps=p.speed_mps,
-        accel_mps2=p.accel_mps2,
-        turn_rad=-turn_rad,
-    )
-
-
-def corner_standing(
-    p: CornerParameters, turn_rad: float = 0.5 * math.pi, at_m: float = 0.0
+def corner_forecast(
+    p: CornerParameters,
+    turn_rad: float = 0.5 * math.pi,
+    *,
+    hover_s: float = 0.0,
+    at_m: float = 0.0,
 ) -> Forecast:
-    """Return the same of a helicopter that stands in the corner for ``STANDING_S``.
+    """Return the helicopter's motion at a corner, in the corner's frame, slowing from time 0.
 
-    ``at_m``: so far beyond it [m].
+    ``hover_s``: for how long it stands there. ``at_m``: so far beyond the corner, and later [m].
     """
     return cornering(
         at_m / p.speed_mps,
@@ -56,7 +48,7 @@ def corner_standing(
         speed_mps=p.speed_mps,
         accel_mps2=p.accel_mps2,
         turn_rad=-turn_rad,
-        hover_s=STANDING_S,
+        hover_s=hover_s,
     )
 
 

@@ -28,12 +28,12 @@ from sar_planner.prediction.separation import (
     ClosestApproach,
     closest_over_time,
     corner_forecast,
-    corner_standing,
     least_apart_m,
 )
 from sar_planner.rules.paper_rules import CornerPlan, NoPathError, Rule
 
 CUTS = 24
+STANDING_S = 60.0
 FARTHER_SHARE = 0.7
 MOST_TURN_RAD = math.radians(135.0)
 
@@ -66,8 +66,10 @@ class OutsideRules:
         self._to_m = p.spacing_m if to_m is None else to_m
         self._speed_mps = speed_mps or p.speed_mps
         forecast = corner_forecast(p, turn_rad)
-        standing = corner_standing(p, turn_rad)
-        farther = corner_standing(p, turn_rad, at_m=p.stopping_m)
+        standing, farther = (
+            corner_forecast(p, turn_rad, hover_s=STANDING_S, at_m=at_m)
+            for at_m in (0.0, p.stopping_m)
+        )
         self._frame = CornerFrame(Pose(0.0, 0.0, -turn_rad).offset(0.0, self._to_m), -1)
         self._in_corner, self._in_slot = forecast, forecast.in_frame(self._frame)
         self._kept_from, self._farther = (forecast, standing), farther

@@ -8,6 +8,7 @@ import time
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 
 from sar_estimator.common.checked import read
+from sar_planner.cli.corner import FIELDS
 from sar_planner.parameters.corner import CornerParameters
 from sar_sim.trials.enclosure.bounds import (
     MOST_BOXES,
@@ -19,12 +20,8 @@ from sar_sim.trials.enclosure.bounds import (
 )
 from sar_sim.trials.enclosure.corner_pieces import FROM_M, RULES, TO_M
 
-FIELDS = {
-    "speed": "speed_mps",
-    "radius": "turn_radius_m",
-    "accel": "accel_mps2",
-    "spacing": "spacing_m",
-    "convergence": "convergence",
+OPTIONS = {
+    option: FIELDS[option] for option in ("speed", "radius", "accel", "spacing", "convergence")
 }
 DIGITS = Decimal("0.001")
 COLUMNS = (
@@ -89,13 +86,13 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument(
         "--boxes", type=int, default=MOST_BOXES, help=f"most of one value (default: {MOST_BOXES})"
     )
-    for option, field in FIELDS.items():
+    for option, field in OPTIONS.items():
         parser.add_argument(f"--{option}", type=float, help=f"{field}, instead of the paper's")
     args = parser.parse_args(argv)
     if not args.tolerance > 0.0:
         parser.error(f"--tolerance {args.tolerance:g}: expected more than 0")
     try:
-        given = {field: getattr(args, option) for option, field in FIELDS.items()}
+        given = {field: getattr(args, option) for option, field in OPTIONS.items()}
         p = read(CornerParameters, {name: one for name, one in given.items() if one is not None})
         for percent in args.box:
             begun = time.monotonic()

@@ -130,8 +130,9 @@ def _in_wind(
             break
         plan, speed_up = planned
         path = TrackedPath(frame, plan.path, 0.0, speed_up * lead_mps, lead_mps * passed_s)
-        before, share = share, tick.speed_share(path)
-        found = tick.apart_m(path), plan, speed_up
+        flown = tick.flown(path)
+        before, share = share, flown.share
+        found = tick.apart_m(flown), plan, speed_up
         if abs(share - before) < SHARE_CHANGE:
             break
     return found
@@ -148,11 +149,9 @@ def _outside_plan(
 ) -> tuple[CornerPlan, float] | None:
     """Return the plan to the outside of the turn, and at which share of V it is flown.
 
-    ``old_rad``: the course of the old leg.
-
     Slowly: the UAV passes before the nose of a helicopter that should have left the corner by then,
     and over to the outside it would come out far ahead. What it falls behind by that is made up on
-    the leg.
+    the leg. ``old_rad``: the course of the old leg.
     """
     speed, new_rad = parameters.speed_mps, old_rad + tick.situation.turn_rad
     slowest = max(1.0 - OUTSIDE_SLOWER, tick.on_course_mps(old_rad)[0] / speed)

@@ -14,7 +14,6 @@ import numpy as np
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import CornerEstimate
 from sar_planner.guidance.flown_speed import FlownPath, airspeed_of, flown
-from sar_planner.guidance.leg_lag import steady
 from sar_planner.guidance.path_efficiency import PathEfficiency
 from sar_planner.guidance.waypoint_lists import Listing
 from sar_planner.guidance.wind_triangle import AirEnvelope
@@ -217,7 +216,7 @@ class Tick:
 
     def on_course_mps(self, course_rad: float) -> tuple[float, float]:
         """Return the slowest and the fastest ground speed on a course in the wind over minutes."""
-        return steady(self.air).on_course_mps(course_rad)
+        return self.air.over_minutes.on_course_mps(course_rad)
 
     def flown_mps(self, wanted_mps: float) -> float:
         """Return the ground speed that a UAV is flying at; the wanted where that is not known."""
@@ -228,10 +227,10 @@ class Tick:
         """Return what of its speed the UAV can make good on the rest of a path."""
         return self.flown(path).share
 
-    def apart_m(self, path: TrackedPath) -> float:
+    def apart_m(self, path: FlownPath) -> float:
         """Return the least distance [m] on the rest of a path as the wind lets the UAV fly it."""
-        times_s, points_m, _ = self.flown(path)
-        gaps = (points_m - one.positions(self.now_s + times_s) for one in self.forecasts)
+        times_s = self.now_s + path.times_s
+        gaps = (path.points_m - one.positions(times_s) for one in self.forecasts)
         return min(float(np.hypot(*gap.T).min()) for gap in gaps)
 
     def flown(self, path: TrackedPath) -> FlownPath:
