@@ -116,6 +116,36 @@ def test_it_is_cut_no_more_than_the_leg_needs(lag, most_left):
     assert plan.next_lag_m <= whole + 1e-9
 
 
+@given(st.floats(-150.0, 400.0), TURNS, st.floats(0.0, 100.0), st.sampled_from((0.0, 20.0, 40.0)))
+def test_farther_out_and_wider_it_ends_on_its_track_all_the_same(lag, turn, over, out):
+    """It passes the corner so much farther out, the nose so much farther before, and comes back."""
+    rules = OutsideRules(P, turn)
+    path = rules.wide_path(lag, over, out_m=out, lead_m=20.0)
+    if path is None:
+        assert rules.turn_start_m(lag) + over < (0.0 if out == 0.0 else 400.0)
+        return
+    assert path.start.heading_rad == 0.0
+    left = math.sin(turn), math.cos(turn)
+    assert path.end.x_m * left[0] + path.end.y_m * left[1] == pytest.approx(250.0, abs=1e-6)
+    assert math.cos(path.end.heading_rad + turn) == pytest.approx(1.0)
+    points = path.sample(0.5)
+    across = points @ np.array(left)
+    assert across.max() == pytest.approx(250.0 + over * math.sin(turn), abs=0.5)
+    if out > 0.0:
+        assert points[:, 1].max() == pytest.approx(250.0 + out, abs=0.5)
+    elif over == 0.0:
+        assert path.length_m == pytest.approx(rules.path(lag).length_m)
+
+
+@given(st.floats(0.0, 300.0), TURNS, st.floats(1.0, 100.0))
+def test_the_most_that_is_cut_is_begun_at_the_lead(lag, turn, lead):
+    rules = OutsideRules(P, turn)
+    most = rules.most_cut_m(lag, lead)
+    path = rules.path(lag, most) if most > 0.0 else None
+    if path is not None:
+        assert path.segments[0].length_m == pytest.approx(lead, abs=1e-6)
+
+
 def test_no_turn_and_a_turn_back_have_no_outside():
     for turn in (0.0, math.radians(150.0)):
         with pytest.raises(NoPathError, match="turn of"):

@@ -27,12 +27,3 @@ def drift_m(air: AirEnvelope, course_rad: float, speed_mps: float, left_m: float
     if falls_behind > 0.0 and comes_ahead > 0.0:
         return 0.0
     return (comes_ahead - falls_behind) * left_m / speed_mps
-
-
-def late_m(air: AirEnvelope, course_rad: float, slow_mps: float, way_m: float) -> float:
-    """Return the lag [m] with which a way is ended no sooner than without one at ``slow_mps``.
-
-    ``way_m``: on that course. 0 where the UAV can fly as slowly.
-    """
-    slowest = air.over_minutes.on_course_mps(course_rad)[0]
-    return max(0.0, slowest / slow_mps - 1.0) * way_m

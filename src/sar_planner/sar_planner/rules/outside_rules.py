@@ -6,6 +6,7 @@ track, E outside of the new leg, crosses its old one at x = c = (E - D cos(theta
 From outside the helicopter never crosses the UAV's way. t = tan(theta / 2).
 
 * O1 outer corner: S(s + L + c - R t) R(theta). Nothing is left unseen.
+  Begun later, it comes back onto the track once it is past the nose: S R(theta) S R(w) S L(w).
 * O2 outer corner cut by a chord that leaves the one outline q before they cross and meets the other
   q after: S R(theta / 2) S(2 q cos(theta / 2) - 2 R tan(theta / 4)) R(theta / 2). At a right angle
   it leaves at most (q + (1 - 1 / sqrt 2) d)^2 / 2 unseen of a swath d wide.
@@ -36,6 +37,9 @@ CUTS = 24
 STANDING_S = 60.0
 FARTHER_SHARE = 0.7
 MOST_TURN_RAD = math.radians(135.0)
+ASIDE_RAD = math.radians(15.0)
+PAST_M = 60.0
+LEAST_ASIDE_M = 0.1
 
 
 class OutsideRules:
@@ -62,22 +66,32 @@ class OutsideRules:
             )
         p = self.parameters = parameters
         self._turn_rad = turn_rad
-        self._from_m = p.spacing_m if from_m is None else from_m
-        self._to_m = p.spacing_m if to_m is None else to_m
+        self.from_m = p.spacing_m if from_m is None else from_m
+        self.to_m = p.spacing_m if to_m is None else to_m
         self._speed_mps = speed_mps or p.speed_mps
         forecast = corner_forecast(p, turn_rad)
         standing, farther = (
             corner_forecast(p, turn_rad, hover_s=STANDING_S, at_m=at_m)
             for at_m in (0.0, p.stopping_m)
         )
-        self._frame = CornerFrame(Pose(0.0, 0.0, -turn_rad).offset(0.0, self._to_m), -1)
+        self._frame = CornerFrame(Pose(0.0, 0.0, -turn_rad).offset(0.0, self.to_m), -1)
         self._in_corner, self._in_slot = forecast, forecast.in_frame(self._frame)
         self._kept_from, self._farther = (forecast, standing), farther
+
+    def at_mps(self, speed_mps: float) -> OutsideRules:
+        """Return the same rules for a UAV of another speed along its path."""
+        return OutsideRules(
+            self.parameters,
+            self._turn_rad,
+            speed_mps=speed_mps,
+            from_m=self.from_m,
+            to_m=self.to_m,
+        )
 
     @property
     def corner_m(self) -> float:
         """X at which the old and the new slot track cross, c [m]."""
-        return (self._to_m - self._from_m * math.cos(self._turn_rad)) / math.sin(self._turn_rad)
+        return (self.to_m - self.from_m * math.cos(self._turn_rad)) / math.sin(self._turn_rad)
 
     def path(self, lag_m: float, cut_m: float = 0.0) -> FlightPath | None:
         """Return the path that cuts the outer corner by ``cut_m`` [m]; None where there is none.
@@ -85,7 +99,7 @@ class OutsideRules:
         Too late for it, or less cut than its arcs take.
         """
         p, turn = self.parameters, self._turn_rad
-        start = Pose(-(p.stopping_m + lag_m), self._from_m, 0.0)
+        start = Pose(-(p.stopping_m + lag_m), self.from_m, 0.0)
         to_corner = self.corner_m - start.x_m
         if cut_m <= 0.0:
             lead = to_corner - p.turn_radius_m * math.tan(0.5 * turn)
@@ -100,6 +114,40 @@ class OutsideRules:
         if min(lead, chord) < 0.0:
             return None
         return FlightPath.of(start, (Straight(lead), *parts))
+
+    def turn_start_m(self, lag_m: float) -> float:
+        """Return how far along O1's path its turn begins [m]; below 0 where that is past."""
+        to_corner = self.corner_m + self.parameters.stopping_m + lag_m
+        return to_corner - self.parameters.turn_radius_m * math.tan(0.5 * self._turn_rad)
+
+    def most_cut_m(self, lag_m: float, lead_m: float) -> float:
+        """Return by how much the corner can be cut [m] by a UAV that cannot turn before a lead."""
+        r, turn = self.parameters.turn_radius_m, self._turn_rad
+        bend = r * (math.tan(0.5 * turn) - math.tan(0.25 * turn))
+        return self.turn_start_m(lag_m) + bend - lead_m
+
+    def wide_path(
+        self, lag_m: float, over_m: float, *, out_m: float = 0.0, lead_m: float = 0.0
+    ) -> FlightPath | None:
+        """Return O1's path begun so much later [m], and led back onto the track; None: too late.
+
+        So it passes farther before the helicopter's nose, and longer after that stops. ``out_m``:
+        by which the UAV flies farther out before, from ``lead_m`` on along its path.
+        """
+        r, lead = self.parameters.turn_radius_m, self.turn_start_m(lag_m) + over_m
+        start = Pose(-(self.parameters.stopping_m + lag_m), self.from_m, 0.0)
+        begun: tuple[Straight | Arc, ...] = ()
+        if out_m >= LEAST_ASIDE_M:
+            begun = (Straight(lead_m), *_aside(r, out_m, 1))
+            lead += -out_m / math.tan(self._turn_rad) - FlightPath(start, begun).end.x_m + start.x_m
+        beside = over_m * math.sin(self._turn_rad)
+        if lead < 0.0:
+            return None
+        there = FlightPath.of(start, (*begun, Straight(lead), Arc(r, -self._turn_rad)))
+        if beside < LEAST_ASIDE_M:
+            return there
+        past = Straight(max(0.0, PAST_M - self._frame.to_frame(there.end).x_m))
+        return FlightPath.of(start, (*there.segments, past, *_aside(r, beside, -1)))
 
     def next_lag_m(self, path: FlightPath) -> float:
         """Return L(k+1) [m] after a path of these rules flown at the UAV's speed."""
@@ -129,7 +177,7 @@ class OutsideRules:
         """Yield the paths there are, the one that is cut the least first."""
         p = self.parameters
         most = self.corner_m + p.stopping_m + lag_m
-        if self._from_m < 0.0:
+        if self.from_m < 0.0:
             path = self.path(lag_m)
             if path is not None:
                 yield Rule.O3, path
@@ -170,3 +218,11 @@ class OutsideRules:
                 f"L = {lag_m:.1f} m: no path outside keeps {separation_m:.0f} m of separation"
             )
         return best
+
+
+def _aside(radius_m: float, by_m: float, side: int) -> tuple[Straight | Arc, ...]:
+    """Return what leads so much [m] to one side of a track, 1 left, -1 right."""
+    turn = min(ASIDE_RAD, math.acos(max(-1.0, 1.0 - 0.5 * by_m / radius_m)))
+    between = (by_m - 2.0 * radius_m * (1.0 - math.cos(turn))) / math.sin(turn)
+    arc = Arc(radius_m, side * turn)
+    return arc, Straight(max(between, 0.0)), Arc(radius_m, -side * turn)

@@ -76,17 +76,3 @@ def test_a_lag_is_caught_up_with_only_where_it_is_worth_it(tick_at):
     assert path_speed_mps(tick, 1000.0, 50.0, **values) == 20.0
     assert path_speed_mps(tick, 1000.0, 70.0, **values) == pytest.approx(20.0 / 0.93)
     assert path_speed_mps(tick, 300.0, 200.0, **values) == 22.0
-
-
-def test_outside_one_that_is_behind_passes_no_sooner_than_one_in_its_slot(tick_at, state, corner):
-    """Before the nose of a helicopter that should have left by then: as slowly as that needs."""
-    begins_s = []
-    for lag_m in range(0, 301, 50):
-        outside = {"x": 80.0 - lag_m, "y": 250.0, "slot_side": "outside"}
-        found = planned(tick_at, state, corner, **outside).state
-        assert found.corner.plan.rule == "O1"
-        assert found.corner.plan.lag_m == pytest.approx(lag_m)
-        begins_s.append(found.corner.plan.turn_start_m / (20.0 * found.speed_up))
-        assert found.speed_up <= 1.0
-    assert begins_s[0] == pytest.approx(230.0 / 14.0)
-    assert min(begins_s) == begins_s[0]

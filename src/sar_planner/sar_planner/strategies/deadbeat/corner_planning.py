@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from sar_estimator.common.pose import Pose
@@ -13,14 +12,14 @@ from sar_planner.paths.flight_path import CornerFrame
 from sar_planner.rejoin.tracked_path import TrackedPath, final_lag_m, is_on_track
 from sar_planner.rules.corner_speed import catching_up_mps, sped_up_plan, speed_ups_of
 from sar_planner.rules.outside_rules import OutsideRules
-from sar_planner.rules.paper_rules import OUTSIDE, CornerPlan, NoPathError, Rule
+from sar_planner.rules.paper_rules import OUTSIDE, CornerPlan, Rule
 from sar_planner.strategies.active_corner import ActiveCorner, measured, unusable
+from sar_planner.strategies.deadbeat.outside_planning import outside_plan
 from sar_planner.strategies.deadbeat.rejoining import start_rejoining
-from sar_planner.strategies.deadbeat.state import OUTSIDE_SLOWER, Decision, State, Tick
+from sar_planner.strategies.deadbeat.state import Decision, State, Tick
 
 WIDER_M = (0.0, 20.0, 40.0)  # planned with, where the wind brings a path nearer than it should
 SHARE_LOOKS, SHARE_CHANGE = 3, 0.02  # at what the wind makes of a plan's speed
-MADE_UP_SHARE = 0.7  # of a leg: on which a lag that an outer corner leaves is made up
 
 
 def plan_corner(state: State, tick: Tick) -> Decision:
@@ -82,9 +81,10 @@ def _rule_plan(
     if after_m < 0.0:
         parameters, lag_m = measured(estimate, frame, uav, tick.corner)
         lead_m = uav.speed_mps * passed_s
-        outside = _outside_plan(
-            parameters, lag_m, lead_m, tick, -before_m, -after_m, estimate.stop.heading_rad
+        rules = OutsideRules(
+            parameters, abs(tick.situation.turn_rad), from_m=-before_m, to_m=-after_m
         )
+        outside = outside_plan(rules, frame, estimate, lag_m, lead_m, tick)
         return None if outside is None else (*outside, uav.speed_mps)
     # Its beginning is flown at V by plan: as one that is now where this one is.
     lead_mps = estimate.speed_mps
@@ -136,49 +136,6 @@ def _in_wind(
         if abs(share - before) < SHARE_CHANGE:
             break
     return found
-
-
-def _outside_plan(
-    parameters: CornerParameters,
-    lag_m: float,
-    lead_m: float,
-    tick: Tick,
-    from_m: float,
-    to_m: float,
-    old_rad: float,
-) -> tuple[CornerPlan, float] | None:
-    """Return the plan to the outside of the turn, and at which share of V it is flown.
-
-    Slowly: the UAV passes before the nose of a helicopter that should have left the corner by then,
-    and over to the outside it would come out far ahead. What it falls behind by that is made up on
-    the leg. ``old_rad``: the course of the old leg.
-    """
-    speed, new_rad = parameters.speed_mps, old_rad + tick.situation.turn_rad
-    slowest = max(1.0 - OUTSIDE_SLOWER, tick.on_course_mps(old_rad)[0] / speed)
-    fastest = min(1.0 + tick.faster, tick.on_course_mps(new_rad)[1] / speed)
-    leg_m = tick.situation.progress.next.length_m or math.inf
-    made_up_m = MADE_UP_SHARE * leg_m * (fastest - 1.0) if fastest > 1.0 else 0.0
-    most_left_m = tick.aim_m + made_up_m + tick.corner.spacing_m
-    # One that is behind passes no sooner than one in its slot that flies as slowly as it may.
-    way_m = to_m + parameters.stopping_m
-    slowest = min(max((1.0 - OUTSIDE_SLOWER) * (1.0 + lag_m / way_m), slowest), max(1.0, slowest))
-    for separation_m in tick.separations_m:
-        for share in (slowest, 0.5 * (slowest + 1.0), 1.0):
-            rules = OutsideRules(
-                parameters,
-                abs(tick.situation.turn_rad),
-                speed_mps=share * speed,
-                from_m=from_m,
-                to_m=to_m,
-            )
-            try:
-                plan = rules.plan(
-                    lag_m, lead_m=lead_m, separation_m=separation_m, most_left_m=most_left_m
-                )
-            except NoPathError:
-                continue
-            return plan, share
-    return None
 
 
 def _from_anywhere(

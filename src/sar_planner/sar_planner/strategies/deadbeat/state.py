@@ -29,6 +29,7 @@ from sar_planner.strategies.active_corner import ActiveCorner, Mode
 
 MARGIN_SHARE = 0.4  # of the margin: what a path that is flown may have lost of it
 AHEAD_SPACINGS = 2.0  # on a cross leg, onto which the UAV came ahead
+ENDS_SOON_S = 40.0  # a leg, before which a UAV that is ahead would not be back on it
 OUTSIDE_SLOWER = 0.3  # share of V by which a UAV flies slower about the outside of a corner
 CROSSING_SLOWER = 0.3  # share of V by which a UAV flies slower on a cross leg
 WATCH_S = 0.39  # between two looks: two decisions at 5 Hz, whatever their times round to
@@ -197,8 +198,16 @@ class Tick:
 
     @property
     def most_ahead_m(self) -> float:
-        """How far ahead of its slot the UAV may be on a leg before it is led back [m]."""
-        return AHEAD_SPACINGS * self.corner.spacing_m if self.on_cross_leg else self.mission.ahead_m
+        """How far ahead of its slot the UAV may be on a leg before it is led back [m].
+
+        Outside of a turn that is near it is no longer led back: it is not to be met on its way.
+        """
+        if self.on_cross_leg:
+            return AHEAD_SPACINGS * self.corner.spacing_m
+        heading, speed_mps = self.expected.leg.heading_rad, self.expected.speed_mps
+        ends_soon = self.situation.left_m(heading) < ENDS_SOON_S * speed_mps
+        outside = self.situation.progress.stays_outside(heading)
+        return self.corner.spacing_m if outside and ends_soon else self.mission.ahead_m
 
     def speeds_beside_mps(self, helicopter_mps: float) -> tuple[float, float]:
         """Return the slowest and the fastest ground speed beside a helicopter of a speed."""

@@ -12,7 +12,7 @@ import math
 from dataclasses import replace
 
 from sar_estimator.common.states import LegEstimate, Phase
-from sar_planner.guidance.leg_lag import drift_m, late_m
+from sar_planner.guidance.leg_lag import drift_m
 from sar_planner.guidance.path_efficiency import PathEfficiency
 from sar_planner.guidance.waypoint_lists import Listed
 from sar_planner.guidance.wind_triangle import AirEnvelope
@@ -24,7 +24,6 @@ from sar_planner.strategies.deadbeat.corner_planning import commit_when_due, pla
 from sar_planner.strategies.deadbeat.leg_following import follow_leg, hold, unfit_speed
 from sar_planner.strategies.deadbeat.path_following import follow_path
 from sar_planner.strategies.deadbeat.state import (
-    OUTSIDE_SLOWER,
     WATCH_S,
     Decision,
     State,
@@ -148,9 +147,6 @@ def tick_at(
     heading, speed = expected.leg.heading_rad, expected.speed_mps
     most_m = MOST_AIM_SPACINGS * corner.spacing_m
     aim_m = drift_m(air, heading, speed, situation.left_m(heading))
-    if situation.progress.stays_outside(heading):
-        way_m = corner.spacing_m + corner.stopping_m
-        aim_m += late_m(air, heading, (1.0 - OUTSIDE_SLOWER) * speed, way_m)
     aim_m = min(max(aim_m, -most_m), most_m)
     forecasts = (expected.behind(aim_m), *others)
     return Tick(now_s, situation, forecasts, corner, mission, air, aim_m)
