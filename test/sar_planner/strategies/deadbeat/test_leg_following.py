@@ -65,3 +65,18 @@ def test_held_it_circles_once_and_says_why(tick_at, state):
     again = hold(first.state, tick_at(101.0), "too slow")
     assert again.listing is None
     assert not math.isfinite(again.state.retry_s)
+
+
+def test_outside_of_a_turn_that_is_near_it_is_not_led_back(tick_at):
+    """Nor while it is behind the helicopter still, however far ahead of what the wind asks for."""
+
+    def most_ahead_m(first_leg_m, aim_m=0.0, **slot):
+        tick = tick_at(first_leg_m=first_leg_m, **slot)
+        tick.situation.progress.terms = tick.mission.terms
+        return replace(tick, aim_m=aim_m).most_ahead_m
+
+    outside = {"y": 250.0, "slot_side": "outside"}
+    assert most_ahead_m(2000.0, **outside) == 60.0
+    assert most_ahead_m(2000.0, 120.0, **outside) == 120.0
+    assert most_ahead_m(600.0, **outside) == 250.0
+    assert most_ahead_m(600.0, 120.0) == 60.0

@@ -33,8 +33,6 @@ CUT_ASTRAY_SHARE = 0.95
 """The same where the corner is cut: a chord leads the nearer, the farther on the stop is."""
 CUTS = 12
 BEYOND_M = 400.0
-TURNED_FASTER = 0.2
-"""The share of V by which a UAV flies faster in turns of the radius that is planned with."""
 
 
 class Flown(NamedTuple):
@@ -181,7 +179,7 @@ def outside_plan(
     fastest = min(1.0 + tick.faster, tick.on_course_mps(new_rad)[1] / speed_mps)
     leg_m = tick.situation.progress.next.length_m or math.inf
     made_up_m = MADE_UP_SHARE * leg_m * (fastest - 1.0) if fastest > 1.0 else 0.0
-    shares = shares_of(slow, as_slow, 1.0 + min(tick.faster, TURNED_FASTER))
+    shares = shares_of(slow, as_slow, 1.0 + tick.turned_faster)
     corner = OutsideCorner(rules, frame, estimate, lag_m, lead_m, shares, made_up_m)
     return corner.plan(tick)
 

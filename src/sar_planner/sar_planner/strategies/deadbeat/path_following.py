@@ -53,9 +53,12 @@ def follow_path(state: State, tick: Tick) -> Decision:
     off_m = math.hypot(*beside)
     forecasts = tick.forecasts_in(path.frame)
     slowest, fastest = tick.speeds_mps
-    if state.flies_outside and tick.situation.phase in (Phase.DECELERATING, Phase.STOPPED):
-        # Not before the nose of one that may go straight on: the leg makes up for it.
-        slowest = fastest = state.speed_up * tick.expected.speed_mps
+    if state.flies_outside:
+        if tick.situation.phase in (Phase.DECELERATING, Phase.STOPPED):
+            # Not before the nose of one that may go straight on: the leg makes up for it.
+            slowest = fastest = state.speed_up * tick.expected.speed_mps
+        else:  # as fast as the wind lets it on each course
+            fastest = max(fastest, (1.0 + tick.turned_faster) * tick.expected.speed_mps)
     path = path.timed(rest, forecasts[0], now_s, (slowest, fastest), state.share)
     state = replace(state, path=path, speed_mps=path.speed_mps)
     speed_mps = path.speed_mps * state.share
