@@ -8,7 +8,7 @@ is *possible*. Positions are in the map frame [m], times in seconds.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from sar_bridge.monitor.seen_helicopter import (
     SURE_COURSE_MPS,
     SeenHelicopter,
 )
+from sar_estimator.common.frozen import replaced
 from sar_estimator.common.pose import Pose, wrap_angle
 from sar_estimator.common.states import CornerEstimate, FloatArray, Motion, Phase
 
@@ -63,7 +64,8 @@ class Helicopter(SeenHelicopter):
         }.get(self.phase, self._cruising)
         ahead_s = now_s - self.motion.time_s
         found = maker(self.motion, ahead_s, now_s, times_s)
-        return [replace(future, most_mps2=self._most_mps2) for future in found]
+        most_mps2 = self._most_mps2
+        return [replaced(future, most_mps2=most_mps2) for future in found]
 
     @property
     def _most_mps2(self) -> float:

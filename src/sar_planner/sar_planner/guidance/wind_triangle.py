@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -29,7 +29,10 @@ class AirEnvelope:
     @property
     def over_minutes(self) -> AirEnvelope:
         """The same airspeeds in the wind over minutes, where that is known."""
-        return self if self.steady is None else replace(self, wind_mps=self.steady.mean_mps)
+        steady = self.steady
+        if steady is None:
+            return self
+        return AirEnvelope(self.slowest_mps, self.fastest_mps, steady.mean_mps, steady)
 
     @property
     def gusts_mps(self) -> float:

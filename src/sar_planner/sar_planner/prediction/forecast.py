@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -81,7 +81,8 @@ class Forecast:
 
     def behind(self, lag_m: float) -> Forecast:
         """Return the same motion with a slot that is so far behind [m]."""
-        return replace(self, zero_s=self.zero_s + lag_m / self.speed_mps)
+        zero_s = self.zero_s + lag_m / self.speed_mps
+        return Forecast(self.stretches, self.leg, zero_s, self.speed_mps)
 
     def along_m(self, time_s: float) -> float:
         """Return how far along the leg, from ``leg``, the slot is at ``time_s`` [m]."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
+from sar_estimator.common.frozen import replaced
 from sar_planner.guidance.speed_control import trimmed_mps
 from sar_planner.guidance.waypoint_lists import HoldListing, SlotListing
 from sar_planner.strategies.active_corner import Mode
@@ -31,7 +30,7 @@ def follow_leg(state: State, tick: Tick) -> Decision:
         faster=tick.faster,
     )
     return Decision(
-        replace(state, speed_mps=speed_mps, led_s=tick.now_s),
+        replaced(state, speed_mps=speed_mps, led_s=tick.now_s),
         SlotListing(str(Mode.LEG), state.slot),
     )
 
@@ -47,9 +46,9 @@ def unfit_speed(tick: Tick) -> str:
 
 def hold(state: State, tick: Tick, reason: str) -> Decision:
     """Keep out of the way: the list ends ahead, where the bridge lets the UAV circle."""
-    state = replace(state, problem=f"holding: {reason}")
+    state = replaced(state, problem=f"holding: {reason}")
     uav = tick.situation.uav
     if state.mode is Mode.HOLD or uav is None:
         return Decision(state)
-    held = replace(state.without_path(Mode.HOLD), path_problem="")
+    held = replaced(state.without_path(Mode.HOLD), path_problem="")
     return Decision(held, HoldListing(str(Mode.HOLD), uav.pose))
