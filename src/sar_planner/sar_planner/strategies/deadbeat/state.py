@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -265,8 +266,7 @@ class Tick:
         return is_on_track(self.uav_in(self.slot_frame))
 
 
-@dataclass(frozen=True, slots=True)
-class Decision:
+class Decision(NamedTuple):
     """What comes of an activity: the state it leaves, and what is to be listed, if anything.
 
     ``goes_on``: the activity had nothing to decide; the next one does.
