@@ -127,13 +127,16 @@ class MotionFilters:
         state = self._filters[AGILE].x
         return float(state[0]), float(state[3])
 
-    def steady(self, time_s: float) -> MotionEstimate:
-        """Return the steady estimate carried to ``time_s`` [s]; the filter stays as it is."""
-        return self._estimate(STEADY, time_s)
+    def steady(self, time_s: float, altitude_m: float = math.nan) -> MotionEstimate:
+        """Return the steady estimate carried to ``time_s`` [s]; the filter stays as it is.
 
-    def agile(self, time_s: float) -> MotionEstimate:
-        """Return the agile estimate carried to ``time_s`` [s]; the filter stays as it is."""
-        return self._estimate(AGILE, time_s)
+        ``altitude_m``: what is said of the altitude, which is not filtered.
+        """
+        return self._estimate(STEADY, time_s, altitude_m)
+
+    def agile(self, time_s: float, altitude_m: float = math.nan) -> MotionEstimate:
+        """Return the agile estimate carried to ``time_s`` [s], as ``steady``."""
+        return self._estimate(AGILE, time_s, altitude_m)
 
     def surprises(
         self, time_s: float, position_m: tuple[float, float], spread_m2: Spread
@@ -145,10 +148,10 @@ class MotionFilters:
         )
         return steady, agile
 
-    def _estimate(self, which: int, time_s: float) -> MotionEstimate:
+    def _estimate(self, which: int, time_s: float, altitude_m: float) -> MotionEstimate:
         state, covariance = self._carried(which, time_s)
         x, vx, ax, y, vy, ay = state.tolist()
-        return MotionEstimate(Motion(time_s, x, y, vx, vy, ax, ay), covariance.copy())
+        return MotionEstimate(Motion(time_s, x, y, vx, vy, ax, ay), covariance.copy(), altitude_m)
 
     def _carried(self, which: int, time_s: float) -> tuple[FloatArray, FloatArray]:
         """Return a filter's state and covariance at ``time_s`` [s]; not to be changed."""
