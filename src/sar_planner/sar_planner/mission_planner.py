@@ -287,8 +287,8 @@ class MissionPlanner:
         if not orbit.flying:
             listed = self._strategy.update(now_s)
             waits = "" if orbit.state is None else orbit.state.problem
-        report, air = self.report, self._strategy.lists.air
-        speed = report.speed_mps
+        report = orbit.report if orbit.flying else self._strategy.report
+        air, speed = self._strategy.lists.air, report.speed_mps
         self._course_rad = report.course_rad
         slow = "" if speed is None else air.out_of_reach(self._course_rad, speed)
         notes = waits, report.problem, slow, refused, self.timing.problems(now_s)

@@ -85,10 +85,10 @@ def _surprise(
     state: FloatArray, covariance: FloatArray, measured: tuple[float, float], noise: Spread
 ) -> float:
     """Return the normalised innovation squared of a position."""
-    xx, xy = covariance[0, 0] + noise[0], covariance[0, 3] + noise[1]
-    yy = covariance[3, 3] + noise[2]
-    dx, dy = measured[0] - state[0], measured[1] - state[3]
-    return float((yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / (xx * yy - xy * xy))
+    xx, xy = covariance.item(0, 0) + noise[0], covariance.item(0, 3) + noise[1]
+    yy = covariance.item(3, 3) + noise[2]
+    dx, dy = measured[0] - state.item(0), measured[1] - state.item(3)
+    return (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / (xx * yy - xy * xy)
 
 
 class MotionFilters:
