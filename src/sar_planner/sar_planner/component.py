@@ -241,7 +241,7 @@ class PlannerComponent(Component):
     def _problem_outputs(self) -> Outputs:
         """Return a problem that is new: said once, however its figures change."""
         problem = self.planner.problem
-        plain = FIGURES.sub("", problem)
+        plain = FIGURES.sub("", problem) if problem else ""
         if plain == self._noted:
             return []
         self._noted = plain

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -65,6 +66,12 @@ STRATEGIES: dict[str, type[Strategy]] = {
 }
 
 
+@lru_cache(maxsize=64)
+def _check(rules: str, corner: CornerParameters) -> None:
+    """See ``check_planner``: one mission after another has the same parameters."""
+    check_planner(rules, corner)
+
+
 class MissionPlanner:
     """Engages, disengages, and hands what is known to the chosen strategy.
 
@@ -79,7 +86,7 @@ class MissionPlanner:
         self.corner_parameters = corner
         self.parameters = mission
         own = corner.beside(mission.slot_tracks)
-        check_planner(mission.rules, own)
+        _check(mission.rules, own)
         self.situation = Situation(corner, mission.terms, mission.slot)
         self._strategy = STRATEGIES[mission.rules](self.situation, own, mission)
         lists, turns = self._strategy.lists, self._strategy.turns
@@ -202,7 +209,7 @@ class MissionPlanner:
         own = self.corner_parameters.beside(slot.tracks)
         try:
             told = changed(self.parameters, slot_side=slot.side, slot_tracks=slot.tracks)
-            check_planner(told.rules, own)
+            _check(told.rules, own)
         except ValueError as error:
             return str(error)
         self.parameters = told
@@ -280,8 +287,8 @@ class MissionPlanner:
         if not orbit.flying:
             listed = self._strategy.update(now_s)
             waits = "" if orbit.state is None else orbit.state.problem
-        report, air = self.report, self._strategy.lists.air
-        speed = report.speed_mps
+        report = orbit.report if orbit.flying else self._strategy.report
+        air, speed = self._strategy.lists.air, report.speed_mps
         self._course_rad = report.course_rad
         slow = "" if speed is None else air.out_of_reach(self._course_rad, speed)
         notes = waits, report.problem, slow, refused, self.timing.problems(now_s)

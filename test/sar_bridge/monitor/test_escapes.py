@@ -1,7 +1,6 @@
 """Ways out, and what they are worth."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -61,7 +60,7 @@ def test_what_comes_near_between_two_times_is_seen():
 
 def test_what_both_can_turn_between_two_times_is_taken_off():
     path, other = line(0.0, -250.0, 20.0, 0.0), future(line(0.0, 0.0, 20.0, 0.0), likely=True)
-    (near,) = apart(path, [replace(other, most_mps2=2.0)], 0.0, 8.0)
+    (near,) = apart(path, [other._replace(most_mps2=2.0)], 0.0, 8.0)
     assert near.distance_m[0] == pytest.approx(250.0)
     assert near.distance_m[1:] == pytest.approx(np.full(80, 250.0 - 0.125 * STEP_S**2 * 10.0))
 

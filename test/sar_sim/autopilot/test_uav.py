@@ -1,7 +1,6 @@
 """The kinematic UAV, and the simulated autopilot that flies it."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -46,7 +45,7 @@ def test_turn_rate_and_acceleration_are_bounded(rate, speed):
 
 
 def test_roll_lag_is_first_order():
-    lagged = replace(LIMITS, roll_lag_s=1.0)
+    lagged = LIMITS._replace(roll_lag_s=1.0)
     after = fly(START, 1.0, turn_rate_radps=0.2, airspeed_mps=20.0, limits=lagged)
     assert after.turn_rate_radps == pytest.approx(0.2 * (1 - math.exp(-1.0)), rel=1e-6)
 

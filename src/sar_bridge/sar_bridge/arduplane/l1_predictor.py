@@ -171,7 +171,7 @@ def handling(
     ``wind_mps``, as far as it flies that; without one, it keeps the airspeed that it has.
     """
     l1_s = tuning.damping * tuning.period_s / math.pi
-    given = np.empty(l1_kernels.HANDLING)
+    given = [0.0] * l1_kernels.HANDLING
     given[l1_kernels.STEP_S] = step_s
     given[l1_kernels.LOITER_M] = abs(tuning.loiter_radius_m)
     given[l1_kernels.LOITER_SIDE] = -1.0 if tuning.loiter_radius_m > 0.0 else 1.0
@@ -184,7 +184,7 @@ def handling(
     given[l1_kernels.WIND_X], given[l1_kernels.WIND_Y] = wind_mps
     given[l1_kernels.SLOWEST_MPS] = tuning.slowest_mps
     given[l1_kernels.FASTEST_MPS] = tuning.fastest_mps
-    return given
+    return np.array(given)
 
 
 def level(uav: Motion, wind_mps: Vector = (0.0, 0.0)) -> FloatArray:

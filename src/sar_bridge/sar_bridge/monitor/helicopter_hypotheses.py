@@ -8,7 +8,7 @@ is *possible*. Positions are in the map frame [m], times in seconds.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,8 +32,7 @@ ANOTHER_WAY_RAD = math.radians(60.0)
 FASTER, IS_FAST = 1.3, 1.0
 
 
-@dataclass(frozen=True)
-class Future:
+class Future(NamedTuple):
     """One hypothesis: positions, shape (n, 2) [m], at the times asked for.
 
     ``sigma_m``: their standard deviation in any direction, shape (n,) [m]. ``who``: of whom.
@@ -43,9 +42,9 @@ class Future:
     name: str
     positions: FloatArray
     sigma_m: FloatArray
-    likely: bool = field(default=False, kw_only=True)
-    who: str = field(default="the helicopter", kw_only=True)
-    most_mps2: float = field(default=0.0, kw_only=True)
+    likely: bool = False
+    who: str = "the helicopter"
+    most_mps2: float = 0.0
 
 
 class Helicopter(SeenHelicopter):
@@ -63,7 +62,8 @@ class Helicopter(SeenHelicopter):
         }.get(self.phase, self._cruising)
         ahead_s = now_s - self.motion.time_s
         found = maker(self.motion, ahead_s, now_s, times_s)
-        return [replace(future, most_mps2=self._most_mps2) for future in found]
+        most_mps2 = self._most_mps2
+        return [future._replace(most_mps2=most_mps2) for future in found]
 
     @property
     def _most_mps2(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -129,7 +129,7 @@ class Outlook:
         if since_s < self._p.late_fix_s or self.helicopter.phase is Phase.LOST:
             return []
         found = self.helicopter.futures(now_s - since_s, self._times + since_s)
-        return [replace(one, name=f"{one.name} unseen", likely=False) for one in found]
+        return [one._replace(name=f"{one.name} unseen", likely=False) for one in found]
 
     def path(
         self,

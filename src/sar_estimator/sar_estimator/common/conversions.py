@@ -156,19 +156,13 @@ def motion_as_published(motion: Motion, yaw_rad: float | None = None) -> Motion:
 
     That is ``odometry_to_motion(motion_to_odometry(motion, yaw_rad=yaw_rad))``.
     """
-    yaw = motion.course_rad if yaw_rad is None else yaw_rad
+    time_s, x_m, y_m, vx_mps, vy_mps, *_ = motion
+    yaw = math.atan2(vy_mps, vx_mps) if yaw_rad is None else yaw_rad
     c, s = math.cos(yaw), math.sin(yaw)
-    ahead = motion.vx_mps * c + motion.vy_mps * s
-    aside = -motion.vx_mps * s + motion.vy_mps * c
+    ahead, aside = vx_mps * c + vy_mps * s, -vx_mps * s + vy_mps * c
     yaw = _yaw_as_published(yaw)
     c, s = math.cos(yaw), math.sin(yaw)
-    return Motion(
-        stamped_s(motion.time_s),
-        motion.x_m,
-        motion.y_m,
-        ahead * c - aside * s,
-        ahead * s + aside * c,
-    )
+    return Motion(stamped_s(time_s), x_m, y_m, ahead * c - aside * s, ahead * s + aside * c)
 
 
 def _yaw_as_published(yaw_rad: float) -> float:

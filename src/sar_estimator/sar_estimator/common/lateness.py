@@ -49,6 +49,8 @@ class Lateness:
 
         Where the clock was set back it is as it was.
         """
+        if self._late_s == 0.0:
+            return 0.0
         since_s = max(now_s - self._at_s, 0.0)
         return 0.0 if math.isinf(since_s) else self._late_s * 0.5 ** (since_s / HALF_S)
 

@@ -84,11 +84,8 @@ class MotionEstimate:
     @property
     def sigmas(self) -> tuple[float, float]:
         """Standard deviations of position [m] and velocity [m/s], along the worse axis."""
-        variances = self.covariance.diagonal()
-        return (
-            math.sqrt(max(float(variances[0]), float(variances[3]), 0.0)),
-            math.sqrt(max(float(variances[1]), float(variances[4]), 0.0)),
-        )
+        x, vx, _, y, vy, _ = self.covariance.diagonal().tolist()
+        return math.sqrt(max(x, y, 0.0)), math.sqrt(max(vx, vy, 0.0))
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -93,9 +92,8 @@ class HelicopterEstimator:
         if self._filters is None:
             return None
         until_s = min(time_s, self._accepted_s + MAX_COAST_S)
-        on_leg = self._tracker.on_leg
-        found = self._filters.steady(until_s) if on_leg else self._filters.agile(until_s)
-        return replace(found, altitude_m=self._altitude_m)
+        carried = self._filters.steady if self._tracker.on_leg else self._filters.agile
+        return carried(until_s, self._altitude_m)
 
     def add_fix(self, fix: Fix) -> Verdict:
         """Take a fix; return what became of it."""

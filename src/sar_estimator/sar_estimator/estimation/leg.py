@@ -48,8 +48,8 @@ class LegTracker:
     @property
     def has_velocities(self) -> bool:
         """Whether velocities come with the positions."""
-        rows = self.rows
-        return bool(len(rows)) and bool(rows[-min(4, len(rows)) :, IS_VELOCITY].any())
+        newest = self._table[max(self._first, self._end - 4) : self._end, IS_VELOCITY]
+        return any(newest.tolist())
 
     @property
     def belief(self) -> Belief:

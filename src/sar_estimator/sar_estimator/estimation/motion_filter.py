@@ -85,10 +85,10 @@ def _surprise(
     state: FloatArray, covariance: FloatArray, measured: tuple[float, float], noise: Spread
 ) -> float:
     """Return the normalised innovation squared of a position."""
-    xx, xy = covariance[0, 0] + noise[0], covariance[0, 3] + noise[1]
-    yy = covariance[3, 3] + noise[2]
-    dx, dy = measured[0] - state[0], measured[1] - state[3]
-    return float((yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / (xx * yy - xy * xy))
+    xx, xy = covariance.item(0, 0) + noise[0], covariance.item(0, 3) + noise[1]
+    yy = covariance.item(3, 3) + noise[2]
+    dx, dy = measured[0] - state.item(0), measured[1] - state.item(3)
+    return (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / (xx * yy - xy * xy)
 
 
 class MotionFilters:
@@ -127,13 +127,16 @@ class MotionFilters:
         state = self._filters[AGILE].x
         return float(state[0]), float(state[3])
 
-    def steady(self, time_s: float) -> MotionEstimate:
-        """Return the steady estimate carried to ``time_s`` [s]; the filter stays as it is."""
-        return self._estimate(STEADY, time_s)
+    def steady(self, time_s: float, altitude_m: float = math.nan) -> MotionEstimate:
+        """Return the steady estimate carried to ``time_s`` [s]; the filter stays as it is.
 
-    def agile(self, time_s: float) -> MotionEstimate:
-        """Return the agile estimate carried to ``time_s`` [s]; the filter stays as it is."""
-        return self._estimate(AGILE, time_s)
+        ``altitude_m``: what is said of the altitude, which is not filtered.
+        """
+        return self._estimate(STEADY, time_s, altitude_m)
+
+    def agile(self, time_s: float, altitude_m: float = math.nan) -> MotionEstimate:
+        """Return the agile estimate carried to ``time_s`` [s], as ``steady``."""
+        return self._estimate(AGILE, time_s, altitude_m)
 
     def surprises(
         self, time_s: float, position_m: tuple[float, float], spread_m2: Spread
@@ -145,10 +148,10 @@ class MotionFilters:
         )
         return steady, agile
 
-    def _estimate(self, which: int, time_s: float) -> MotionEstimate:
+    def _estimate(self, which: int, time_s: float, altitude_m: float) -> MotionEstimate:
         state, covariance = self._carried(which, time_s)
         x, vx, ax, y, vy, ay = state.tolist()
-        return MotionEstimate(Motion(time_s, x, y, vx, vy, ax, ay), covariance.copy())
+        return MotionEstimate(Motion(time_s, x, y, vx, vy, ax, ay), covariance.copy(), altitude_m)
 
     def _carried(self, which: int, time_s: float) -> tuple[FloatArray, FloatArray]:
         """Return a filter's state and covariance at ``time_s`` [s]; not to be changed."""
@@ -157,9 +160,10 @@ class MotionFilters:
             return one.x, one.P
         known = self._ahead[which]
         if known is None or known[0] != time_s:
-            one.F, noises = models(round(dt, 9), self._tau_s, self._accels)
-            one.Q = noises[which]
-            known = self._ahead[which] = time_s, *one.get_prediction()
+            # As get_prediction, which looks at what may be given, but never is here.
+            transition, noises = models(round(dt, 9), self._tau_s, self._accels)
+            covariance = transition.dot(one.P).dot(transition.T) + noises[which]
+            known = self._ahead[which] = time_s, transition.dot(one.x), covariance
         return known[1], known[2]
 
     def settle(self) -> None:

@@ -7,7 +7,8 @@ is asked for is the airspeed for the course on which the UAV will be some second
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -23,20 +24,46 @@ LEAST_MPS = 2.0
 LEAST_SHARE, MOST_SHARE = 0.5, 1.5
 
 
-@compiled("float64[::1](float64[:, ::1], float64[::1], float64, float64[::1])")
-def _times_along(
-    parts: FloatArray, along_m: FloatArray, wanted_mps: float, air: FloatArray
-) -> FloatArray:
-    """Return when a UAV is at distances along a path [m], shape (n,), from the first on [s].
+@compiled("f8[::1](f8, f8)")
+def places_along(from_m: float, left_m: float) -> FloatArray:
+    """Return distances evenly from one on [m], both ends included, ``STEP_M`` apart at most."""
+    count = max(2, math.ceil(left_m / STEP_M) + 1)
+    step_m = left_m / (count - 1)
+    out = np.empty(count)
+    for i in range(count - 1):
+        out[i] = from_m + i * step_m
+    out[count - 1] = from_m + left_m
+    return out
 
-    ``parts``: as of ``FlightPath.parts``. ``air``: wind x and y, the slowest, the fastest and the
-    present airspeed [m/s], for how much later it is told [s], with what it changes [m/s^2].
+
+@compiled("UniTuple(f8[::1], 2)(f8[:, ::1], f8, f8, f8, UniTuple(f8, 2), UniTuple(f8, 2), f8, f8)")
+def _times_along(
+    parts: FloatArray,
+    from_m: float,
+    left_m: float,
+    wanted_mps: float,
+    wind_mps: tuple[float, float],
+    limits_mps: tuple[float, float],
+    airspeed_mps: float,
+    lead_s: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Return distances along a path [m], ``STEP_M`` apart, and when a UAV is there [s].
+
+    Shapes (n,). ``parts``: as of ``FlightPath.parts``. ``left_m``: of the path from ``from_m`` on.
+    ``airspeed_mps``: now; ``limits_mps``: the slowest and the fastest that it may become, as wanted
+    where that has no end. ``lead_s``: for how much later it is told.
     """
-    wind_x_mps, wind_y_mps, slowest_mps, fastest_mps, airspeed_mps, lead_s, accel_mps2 = air
+    along_m = places_along(from_m, left_m)
+    out = np.zeros(along_m.shape[0])
+    slowest_mps, fastest_mps = limits_mps
+    if math.isinf(fastest_mps):
+        for i in range(along_m.shape[0]):
+            out[i] = (along_m[i] - from_m) / wanted_mps
+        return along_m, out
+    wind_x_mps, wind_y_mps = wind_mps
     count = parts.shape[1]
     part = ahead = 0
     ground = wanted_mps
-    out = np.zeros(along_m.shape[0])
     for i in range(along_m.shape[0] - 1):
         at = along_m[i]
         while part + 1 < count and parts[4, part + 1] <= at:
@@ -56,10 +83,10 @@ def _times_along(
         ground = along + math.sqrt(max(airspeed_mps**2 - across**2, 0.0))
         ground = max(ground, LEAST_MPS)
         since = (along_m[i + 1] - at) / ground
-        most = accel_mps2 * since
+        most = ACCEL_MPS2 * since
         airspeed_mps += min(max(needed - airspeed_mps, -most), most)
         out[i + 1] = out[i] + since
-    return out
+    return along_m, out
 
 
 def airspeed_of(uav: Motion, air: AirEnvelope) -> float:
@@ -67,16 +94,23 @@ def airspeed_of(uav: Motion, air: AirEnvelope) -> float:
     return math.hypot(uav.vx_mps - air.wind_mps[0], uav.vy_mps - air.wind_mps[1])
 
 
-class FlownPath(NamedTuple):
+@dataclass(frozen=True)
+class FlownPath:
     """When a UAV will be where along the rest of a path in the map.
 
-    ``times_s``: from now on, ``points_m``: where it is then, shapes (n,), (n, 2). ``share``: what
-    it makes good of the ground speed wanted.
+    ``times_s``: from now on, ``along_m``: how far along it is then, shapes (n,). ``share``: what it
+    makes good of the ground speed wanted.
     """
 
+    path: FlightPath
+    along_m: FloatArray
     times_s: FloatArray
-    points_m: FloatArray
     share: float
+
+    @cached_property
+    def points_m(self) -> FloatArray:
+        """Where it is at these times, shape (n, 2)."""
+        return self.path.points(self.along_m)
 
 
 def flown(
@@ -95,12 +129,15 @@ def flown(
     later it is told its airspeed.
     """
     left_m = max(path.length_m - from_m, 0.0)
-    along_m = from_m + np.linspace(0.0, left_m, max(2, math.ceil(left_m / STEP_M) + 1))
-    if math.isfinite(air.fastest_mps):
-        limits = (air.slowest_mps, air.fastest_mps)
-        given = np.array((*air.wind_mps, *limits, airspeed_mps, lead_s, ACCEL_MPS2))
-        times_s = _times_along(path.parts, along_m, wanted_mps, given)
-    else:
-        times_s = (along_m - from_m) / wanted_mps
-    share = left_m / (wanted_mps * times_s[-1]) if left_m >= STEP_M else 1.0
-    return FlownPath(times_s, path.points(along_m), min(max(share, LEAST_SHARE), MOST_SHARE))
+    along_m, times_s = _times_along(
+        path.parts,
+        from_m,
+        left_m,
+        wanted_mps,
+        air.wind_mps,
+        (air.slowest_mps, air.fastest_mps),
+        airspeed_mps,
+        lead_s,
+    )
+    share = left_m / (wanted_mps * float(times_s[-1])) if left_m >= STEP_M else 1.0
+    return FlownPath(path, along_m, times_s, min(max(share, LEAST_SHARE), MOST_SHARE))

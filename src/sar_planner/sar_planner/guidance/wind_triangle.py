@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -14,7 +15,7 @@ NEARLY_MPS = 0.2
 LEAST_TRIM = 0.02
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class AirEnvelope:
     """The UAV's airspeeds [m/s], and the wind it flies in, blowing towards ``wind_mps`` (x, y).
 
@@ -26,10 +27,13 @@ class AirEnvelope:
     wind_mps: tuple[float, float] = (0.0, 0.0)
     steady: SteadyWind | None = None
 
-    @property
+    @cached_property
     def over_minutes(self) -> AirEnvelope:
         """The same airspeeds in the wind over minutes, where that is known."""
-        return self if self.steady is None else replace(self, wind_mps=self.steady.mean_mps)
+        steady = self.steady
+        if steady is None:
+            return self
+        return AirEnvelope(self.slowest_mps, self.fastest_mps, steady.mean_mps, steady)
 
     @property
     def gusts_mps(self) -> float:
@@ -58,14 +62,12 @@ class AirEnvelope:
         With the nose ahead; 0 where the wind carries the UAV off sideways, or backwards.
         """
         ux, uy = math.cos(course_rad), math.sin(course_rad)
-        along = self.wind_mps[0] * ux + self.wind_mps[1] * uy
-        across = self.wind_mps[1] * ux - self.wind_mps[0] * uy
+        wind_x, wind_y = self.wind_mps
+        along, across = wind_x * ux + wind_y * uy, wind_y * ux - wind_x * uy
         if abs(across) >= self.fastest_mps:
             return 0.0, 0.0
-        slowest, fastest = (
-            along + math.sqrt(max(airspeed**2 - across**2, 0.0))
-            for airspeed in (self.slowest_mps, self.fastest_mps)
-        )
+        slowest = along + math.sqrt(max(self.slowest_mps**2 - across**2, 0.0))
+        fastest = along + math.sqrt(max(self.fastest_mps**2 - across**2, 0.0))
         return max(slowest, 0.0), max(fastest, 0.0)
 
     @property

@@ -181,6 +181,11 @@ class FlightPath:
         ]
         return np.array(rows, dtype=np.float64).T.copy()
 
+    @cached_property
+    def in_map(self) -> dict[CornerFrame, FlightPath]:
+        """The same path in the map, by the frames that it is taken to be of."""
+        return {}
+
     @property
     def end(self) -> Pose:
         """The pose at the end."""
@@ -303,8 +308,15 @@ class CornerFrame:
         return FlightPath(self.to_frame(path.start), self._sided(path))
 
     def path_to_map(self, path: FlightPath) -> FlightPath:
-        """Return a path of the corner's frame in the map (arcs mirrored for left turns)."""
-        return FlightPath(self.pose_to_map(path.start), self._sided(path))
+        """Return a path of the corner's frame in the map (arcs mirrored for left turns).
+
+        The same one again and again: where its parts lie is worked out once.
+        """
+        known = path.in_map.get(self)
+        if known is None:
+            known = FlightPath(self.pose_to_map(path.start), self._sided(path))
+            path.in_map[self] = known
+        return known
 
     def _sided(self, path: FlightPath) -> tuple[Segment, ...]:
         return tuple(

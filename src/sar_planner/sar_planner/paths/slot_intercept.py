@@ -152,14 +152,16 @@ class Arcs:
     """What the arcs of n intercepts do, whatever their straights.
 
     ``turns_rad``: the first three; ``sines``, ``cosines``: of the headings on the straights, by
-    column; ``lateral_m``, ``detour_m``: lateral way and detour of the arcs alone. Shapes (n,).
+    column; ``lateral_m``, ``forward_m``: their way across and along the slot track; ``length_m``.
+    Shapes (n,). The same at any speed.
     """
 
     turns_rad: tuple[FloatArray, FloatArray, FloatArray]
     sines: dict[int, FloatArray]
     cosines: dict[int, FloatArray]
     lateral_m: FloatArray
-    detour_m: FloatArray
+    forward_m: FloatArray
+    length_m: FloatArray
 
 
 @dataclass(frozen=True)
@@ -188,9 +190,10 @@ class InterceptProblem:
         turn_3 = turn_to(h2, -self.last_turn_rad, last_side)
         h3 = h2 + turn_3
         turn_4 = np.broadcast_to(self.last_turn_rad, h3.shape)
-        headings = (np.full_like(h1, self.start.heading_rad), h1, h2, h3, h3 + turn_4)
-        sines = [np.sin(heading) for heading in headings]
-        cosines = [np.cos(heading) for heading in headings]
+        headings = (h1, h2, h3, h3 + turn_4)
+        begun = np.array((self.start.heading_rad,))
+        sines = [np.full_like(h1, np.sin(begun)), *(np.sin(heading) for heading in headings)]
+        cosines = [np.full_like(h1, np.cos(begun)), *(np.cos(heading) for heading in headings)]
         r = self.radius_m
         lateral = np.zeros_like(h1)
         forward = np.zeros_like(h1)
@@ -204,7 +207,8 @@ class InterceptProblem:
             dict(zip(STRAIGHTS, sines[:3], strict=True)),
             dict(zip(STRAIGHTS, cosines[:3], strict=True)),
             lateral,
-            self.slow_factor * length - forward,
+            forward,
+            length,
         )
 
     def solve(
@@ -222,7 +226,8 @@ class InterceptProblem:
         """
         k, h0 = self.slow_factor, self.start.heading_rad
         want_y = -self.start.y_m - arcs.lateral_m - lead_m * math.sin(h0)
-        want_e = detour_m - arcs.detour_m - lead_m * (self._lead_factor - math.cos(h0))
+        arcs_m = k * arcs.length_m - arcs.forward_m
+        want_e = detour_m - arcs_m - lead_m * (self._lead_factor - math.cos(h0))
         a11, a12 = (arcs.sines[column] for column in straights)
         factors = {STRAIGHT_P: self._lead_factor, STRAIGHT_Y: k, STRAIGHT_Q: k}
         a21, a22 = (factors[column] - arcs.cosines[column] for column in straights)

@@ -54,7 +54,8 @@ def begin_of(foot: Pose, left: Pose) -> Pose:
 class Progress:
     """Counts the legs that were flown.
 
-    ``terms``: of the pattern. ``leg``: the one being flown, from 0. ``slot``: kept.
+    ``terms``: of the pattern. ``leg``: the one being flown, from 0. ``begun``: where that began,
+    with its heading as it is flown; None before any. ``slot``: kept.
     """
 
     def __init__(self, terms: PatternTerms, slot: Slot = INSIDE) -> None:
@@ -64,6 +65,7 @@ class Progress:
         self.leg = 0
         self._foot: Pose | None = None
         self._left: Pose | None = None
+        self.begun: Pose | None = None
         self._first_m: tuple[float, float] | None = None
 
     def see(self, x_m: float, y_m: float) -> None:
@@ -78,13 +80,8 @@ class Progress:
         elif self._is_other(foot.heading_rad, before.heading_rad):
             self._left = before
             self.leg += 1
-
-    @property
-    def begun(self) -> Pose | None:
-        """Where the leg being flown began, with its heading as it is flown; None before any."""
-        if self._foot is None or self._left is None:
-            return None
-        return begin_of(self._foot, self._left)
+        if self._left is not None:
+            self.begun = begin_of(foot, self._left)
 
     @property
     def stays_inside(self) -> bool:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -25,7 +26,7 @@ class Stretch(NamedTuple):
     accel_mps2: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Forecast:
     """Where the helicopter will be, and the leg it will be on in the end.
 
@@ -52,36 +53,29 @@ class Forecast:
         out[:, 1] = y + north * run
         return out
 
-    @property
+    @cached_property
     def table(self) -> FloatArray:
         """Time, x, y, direction, speed and acceleration of every stretch, shape (7, n)."""
-        rows = []
-        for one in self.stretches:
-            pose, heading = one.start, one.start.heading_rad
-            rows.append(
-                (
-                    one.time_s,
-                    pose.x_m,
-                    pose.y_m,
-                    math.cos(heading),
-                    math.sin(heading),
-                    one.speed_mps,
-                    one.accel_mps2,
-                )
-            )
+        rows = [
+            (time_s, x_m, y_m, math.cos(heading), math.sin(heading), speed_mps, accel_mps2)
+            for time_s, (x_m, y_m, heading), speed_mps, accel_mps2 in self.stretches
+        ]
         return np.ascontiguousarray(np.array(rows).T)
 
     def in_frame(self, frame: CornerFrame) -> Forecast:
         """Return the same motion in the coordinates of a frame."""
         moved = tuple(
-            Stretch(one.time_s, frame.to_frame(one.start), one.speed_mps, one.accel_mps2)
-            for one in self.stretches
+            [
+                Stretch(time_s, frame.to_frame(start), speed_mps, accel_mps2)
+                for time_s, start, speed_mps, accel_mps2 in self.stretches
+            ]
         )
         return Forecast(moved, frame.to_frame(self.leg), self.zero_s, self.speed_mps)
 
     def behind(self, lag_m: float) -> Forecast:
         """Return the same motion with a slot that is so far behind [m]."""
-        return replace(self, zero_s=self.zero_s + lag_m / self.speed_mps)
+        zero_s = self.zero_s + lag_m / self.speed_mps
+        return Forecast(self.stretches, self.leg, zero_s, self.speed_mps)
 
     def along_m(self, time_s: float) -> float:
         """Return how far along the leg, from ``leg``, the slot is at ``time_s`` [m]."""

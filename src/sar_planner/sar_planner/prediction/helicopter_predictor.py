@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from sar_estimator.common.pose import Pose, wrap_angle
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
@@ -30,8 +30,7 @@ def _weighed(value: float, sigma: float, expected: float, expected_sigma: float)
     return expected + weight * (value - expected)
 
 
-@dataclass(frozen=True)
-class HelicopterPredictor:
+class HelicopterPredictor(NamedTuple):
     """Predicts the helicopter as it is known at one time.
 
     ``corner``: the parameters of a corner, ``turn_rad``: the turn expected at it, left positive.
@@ -56,15 +55,15 @@ class HelicopterPredictor:
         would not be seen yet, or stands on. Speeding up, it goes where it is going. Nothing where
         the leg is not known.
         """
-        if self.phase is Phase.LOST:
-            return ()
-        handler = {
-            Phase.CRUISE: self._cruise,
-            Phase.DECELERATING: self._decelerating,
-            Phase.STOPPED: self._stopped,
-            Phase.ACCELERATING: self._accelerating,
-        }[self.phase]
-        return handler(self.helicopter, now_s)
+        if self.phase is Phase.CRUISE:
+            return self._cruise(self.helicopter, now_s)
+        if self.phase is Phase.DECELERATING:
+            return self._decelerating(self.helicopter, now_s)
+        if self.phase is Phase.STOPPED:
+            return self._stopped(self.helicopter, now_s)
+        if self.phase is Phase.ACCELERATING:
+            return self._accelerating(self.helicopter, now_s)
+        return ()
 
     def _cruise(self, helicopter: Motion, now_s: float) -> tuple[Forecast, ...]:
         leg = self.leg

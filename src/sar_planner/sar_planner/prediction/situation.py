@@ -155,8 +155,9 @@ class Situation:
 
     def slot_frame(self, leg: Pose) -> CornerFrame:
         """Return the frame of the slot track beside a leg, the helicopter on y > 0."""
-        side = 1 if self.progress.across(leg.heading_rad) > 0.0 else -1
-        return CornerFrame(self.slot_of(leg), side)
+        across = self.progress.across(leg.heading_rad)
+        slot = leg.offset(0.0, -across * self.corner.spacing_m)
+        return CornerFrame(slot, 1 if across > 0.0 else -1)
 
     @property
     def places_m(self) -> tuple[float, float] | None:

@@ -313,17 +313,22 @@ class _Search:
         """Return all intercepts over the grid of headings, whatever separation they keep."""
         task = self.task
         h1, h2 = (g.ravel() for g in np.meshgrid(HEADINGS_RAD, HEADINGS_RAD, indexing="ij"))
-        found = []
-        for speed, last, (first, second, third) in self.families():
-            factor = task.forecast.speed_mps / speed
-            problem = InterceptProblem(task.start, task.turn_radius_m, factor, last)
-            turn_1 = turn_to(np.full_like(h1, task.start.heading_rad), h1, first)
-            turn_2 = turn_to(h1, h2, second)
-            batch = problem.solve(problem.arcs(turn_1, turn_2, third), task.ahead_m)
-            found.append(_Found(batch.rows, np.full(len(batch), speed)))
-        return _Found(
-            np.vstack([part.rows for part in found]), np.concatenate([p.speeds for p in found])
-        )
+        start = np.full_like(h1, task.start.heading_rad)
+        turns_1 = {side: turn_to(start, h1, side) for side in SIDES}
+        turns_2 = {side: turn_to(h1, h2, side) for side in SIDES}
+        speeds = (task.fastest_mps, task.slowest_mps)
+        # What the arcs do is the same at either speed.
+        found: tuple[list[FloatArray], list[FloatArray]] = [], []
+        for last, first, second, third in itertools.product(LAST_TURNS_RAD, SIDES, SIDES, SIDES):
+            arcs = None
+            for speed, rows in zip(speeds, found, strict=True):
+                factor = task.forecast.speed_mps / speed
+                problem = InterceptProblem(task.start, task.turn_radius_m, factor, last)
+                arcs = arcs or problem.arcs(turns_1[first], turns_2[second], third)
+                rows.append(problem.solve(arcs, task.ahead_m).rows)
+        fast, slow = (np.vstack(rows) for rows in found)
+        each = np.repeat(speeds, (len(fast), len(slow)))
+        return _Found(np.vstack((fast, slow)), each)
 
     def plan(self, rows: FloatArray, speed: float, *, kept: bool = True) -> RejoinPlan:
         found = _Found(rows[None, :], np.array([speed]))

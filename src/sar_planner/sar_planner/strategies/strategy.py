@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import LegEstimate
@@ -15,8 +16,7 @@ from sar_planner.prediction.situation import Situation
 from sar_planner.strategies.active_corner import ActiveCorner, Mode
 
 
-@dataclass(frozen=True, slots=True)
-class StrategyReport:
+class StrategyReport(NamedTuple):
     """What a strategy tells of itself.
 
     ``mode``: what the UAV is being led along. ``corner``: the one being flown. ``slot``: the slot

@@ -217,7 +217,7 @@ class SimAutopilot:
 
     def turn_no_tighter(self, radius_m: float) -> None:
         """From now on, turn with this radius [m] at the tightest: of the kinematic model only."""
-        self._limits = replace(self._limits, min_radius_m=radius_m)
+        self._limits = self._limits._replace(min_radius_m=radius_m)
 
     def _flown_s(self, dt_s: float) -> float:
         """Return how long it would take to fly what is made good of ``dt_s`` [s]."""
@@ -233,9 +233,10 @@ class SimAutopilot:
     def step(self, dt_s: float) -> None:
         """Fly for ``dt_s`` [s]."""
         share = dt_s / WIND_ESTIMATE_S
+        (x_mps, y_mps), (now_x_mps, now_y_mps) = self.wind_estimate_mps, self.wind_mps
         self.wind_estimate_mps = (
-            self.wind_estimate_mps[0] + share * (self.wind_mps[0] - self.wind_estimate_mps[0]),
-            self.wind_estimate_mps[1] + share * (self.wind_mps[1] - self.wind_estimate_mps[1]),
+            x_mps + share * (now_x_mps - x_mps),
+            y_mps + share * (now_y_mps - y_mps),
         )
         self._since_s += dt_s
         if self._since_s >= self._guidance.period_s - 1e-9:

@@ -24,6 +24,8 @@ CAPTURE_SINE = math.sqrt(0.5)
 INTEGRATED_RAD = math.radians(5.0)
 MOST_INTEGRAL = 0.1
 PASSED_S = 3.0
+MOST_TURN_RAD = 0.75 * math.pi
+MOST_TANGENT = math.tan(0.5 * MOST_TURN_RAD)
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,6 +230,8 @@ class L1Guidance:
     def __init__(self, parameters: L1Parameters) -> None:
         """Begin without an integrated cross-track error."""
         self._p = parameters
+        self._l1_gain = parameters.l1_gain
+        self._integrated = parameters.xtrack_gain * self.period_s
         self._integral = 0.0
 
     def leaves(self, leg: Leg, motion: Motion) -> bool:
@@ -237,14 +241,17 @@ class L1Guidance:
         left_m = math.hypot(leg.target[0] - motion.x_m, leg.target[1] - motion.y_m)
         if leg.accept_m > 0.0:
             return left_m <= leg.accept_m
+        believed_m = self._p.believed_radius_m
+        reach = believed_m * MOST_TANGENT
+        if believed_m <= 0.0:
+            reach = min(self._p.wp_radius_m, self._p.l1_m(motion.speed_mps))
+        if left_m > reach:
+            return False  # whatever the turn
         turn = leg.turn_rad
         turn = HALF_TURN if turn is None else turn
-        if self._p.believed_radius_m > 0.0:
-            near = self._p.believed_radius_m * math.tan(0.5 * min(turn, 0.75 * math.pi))
-        else:
-            reach = min(self._p.wp_radius_m, self._p.l1_m(motion.speed_mps))
-            near = reach * min(turn / HALF_TURN, 1.0)
-        return left_m <= near
+        if believed_m > 0.0:
+            return left_m <= believed_m * math.tan(0.5 * min(turn, MOST_TURN_RAD))
+        return left_m <= reach * min(turn / HALF_TURN, 1.0)
 
     def along(self, leg: Leg, motion: Motion, airspeed_mps: float) -> float:
         """Return the turn rate demanded on a leg."""
@@ -257,9 +264,9 @@ class L1Guidance:
             (motion.vx_mps, motion.vy_mps),
             reach,
             self._integral,
-            self._p.xtrack_gain * self.period_s,
+            self._integrated,
         )
-        return self._turn_rate(self._p.l1_gain * speed**2 / reach * sine, airspeed_mps)
+        return self._turn_rate(self._l1_gain * speed**2 / reach * sine, airspeed_mps)
 
     def around(self, centre: Point, radius_m: float, motion: Motion, airspeed_mps: float) -> float:
         """Return the turn rate demanded for a circle: capture it, then hold it (PD)."""
@@ -272,7 +279,7 @@ class L1Guidance:
         clockwise = (motion.vx_mps * dy - motion.vy_mps * dx) / far
         nu = math.atan2(clockwise, -outward)
         nu = min(max(nu, -HALF_TURN), HALF_TURN)
-        capture = self._p.l1_gain * speed**2 / self._p.l1_m(speed) * math.sin(nu)
+        capture = self._l1_gain * speed**2 / self._p.l1_m(speed) * math.sin(nu)
         error = far - radius
         correction = error * omega**2 + outward * 2.0 * self._p.damping * omega
         tangent = clockwise * side

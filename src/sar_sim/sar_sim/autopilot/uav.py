@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from sar_bridge.arduplane.l1_kernels import wrapped
@@ -24,8 +23,7 @@ class UavState(NamedTuple):
     turn_rate_radps: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class UavLimits:
+class UavLimits(NamedTuple):
     """What the airframe can do, with its speed control: time constants of turn rate and speed."""
 
     min_radius_m: float
@@ -58,7 +56,7 @@ def step(
     x, y, heading, speed, rate = flown(
         state[1:],
         (turn_rate_radps, airspeed_mps),
-        (limits.min_radius_m, limits.accel_limit_mps2, limits.roll_lag_s, limits.speed_lag_s),
+        limits[:],
         wind_mps,
         dt_s,
     )

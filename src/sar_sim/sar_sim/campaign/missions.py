@@ -109,20 +109,21 @@ class Observer:
     def __call__(self, world: World) -> None:
         """Look at the present state."""
         assert world.helicopter is not None
-        helicopter = world.helicopter.motion(world.time_s)
-        uavs = [(one.state.x_m, one.state.y_m) for one in world.autopilots.values()]
-        apart = min(math.hypot(x - helicopter.x_m, y - helicopter.y_m) for x, y in uavs)
+        time_s = world.time_s
+        _, x_m, y_m, *_ = world.helicopter.motion(time_s)
+        uavs = [one.state[1:3] for one in world.autopilots.values()]
+        apart = min([math.hypot(x - x_m, y - y_m) for x, y in uavs])
         if apart < self.separation_m:
-            self.separation_m, self.separation_s = apart, world.time_s
+            self.separation_m, self.separation_s = apart, time_s
         for i, j in self._layers:
             self.uavs_apart_m = min(self.uavs_apart_m, math.dist(uavs[i], uavs[j]))
         self._looks += 1
         if self._looks % TRACK_LOOKS == 0:
-            self._track.append((helicopter.x_m, helicopter.y_m, *itertools.chain(*uavs)))
-        while self._corners and self._corners[0].onset_time_s <= world.time_s:
+            self._track.append((x_m, y_m, *itertools.chain(*uavs)))
+        while self._corners and self._corners[0].onset_time_s <= time_s:
             corner = self._corners.pop(0)
             for lags, one in zip(self.lags_m, world.autopilots.values(), strict=True):
-                since = one.motion.speed_mps * (world.time_s - corner.onset_time_s)
+                since = one.motion.speed_mps * (time_s - corner.onset_time_s)
                 lags.append(since - corner.onset.along(one.state.x_m, one.state.y_m))
 
 
@@ -188,13 +189,15 @@ def fly(scenario: Scenario, rules: str, *, watch_only: bool = False) -> Mission:
     def observe(world: World) -> None:
         nonlocal ahead
         seen(world)
-        if flight.estimator.corner is not None and not ahead:
+        planner, expects = flight.planner, flight.estimator.corner is not None
+        if expects and not ahead:
             predicted.append(world.time_s)
-        ahead = flight.estimator.corner is not None
-        if flight.planner.active is not None:
-            planned[flight.planner.active.k] = flight.planner.active
-        if flight.planner.problem:
-            problems.update(_kinds(flight.planner.problem))
+        ahead = expects
+        active = planner.active
+        if active is not None:
+            planned[active.k] = active
+        if planner.problem:
+            problems.update(_kinds(planner.problem))
 
     flight.run(observe=observe)
     world = flight.world

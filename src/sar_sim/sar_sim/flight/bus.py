@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 from sar_estimator.common import topics
-from sar_estimator.common.component import NOTICES, Component, Outputs
+from sar_estimator.common.component import NOTICES, Component, Handler, Outputs
 from sar_estimator.common.reports import UavReport
 from sar_estimator.common.wires import WIRES
 from sar_sim.autopilot.autopilot import SimAutopilot
@@ -20,6 +20,29 @@ class Joined(NamedTuple):
 
     component: Component
     uav: str = ""
+
+
+class Taker(NamedTuple):
+    """A component's handler of a topic, and the UAV that what comes of it is of."""
+
+    handler: Handler
+    uav: str
+
+
+class Way(NamedTuple):
+    """Where a topic's values go: its full name, a listener, and takers of what a message carries.
+
+    ``carry``: returns what comes out of the message that a value goes into.
+    """
+
+    topic: str
+    listener: Listener | None
+    carry: Callable[[Any], Any]
+    takers: Sequence[Taker]
+
+
+def _unchanged(value: Any) -> Any:
+    return value
 
 
 class Bus:
@@ -40,27 +63,38 @@ class Bus:
         """Join components."""
         self.now_s = 0.0
         self._record = record
-        self._takers: dict[str, list[tuple[Joined, str]]] = {}
+        self._takers: dict[str, list[Taker]] = {}
         for one in joined:
-            for topic in one.component.inputs:
-                taker = self._takers.setdefault(topics.of_uav(topic, one.uav), [])
-                taker.append((one, topic))
+            for topic, handler in one.component.inputs.items():
+                takers = self._takers.setdefault(topics.of_uav(topic, one.uav), [])
+                takers.append(Taker(handler, one.uav))
         self._listeners = listeners or {}
+        self._ways: dict[tuple[str, str], Way] = {}
 
     def publish(self, topic: str, value: Any, uav: str = "") -> None:
         """Hand a value of a UAV to whoever listens, and what comes of that in turn."""
         if topic == NOTICES:
             return
-        full = topics.of_uav(topic, uav)
+        way = self._ways.get((topic, uav))
+        if way is None:
+            way = self._ways[topic, uav] = self._way(topic, uav)
         if self._record is not None:
-            self._record(full, value)
-        if full in self._listeners:
-            self._listeners[full](value)
-        takers = self._takers.get(full)
-        if takers:
-            carried = WIRES[topic].carried(value)
-            for one, name in takers:
-                self.publish_all(one.component.handle(name, carried, self.now_s), one.uav)
+            self._record(way.topic, value)
+        if way.listener is not None:
+            way.listener(value)
+        if way.takers:
+            carried = way.carry(value)
+            for handler, of in way.takers:
+                outputs = handler(carried, self.now_s)
+                if outputs:
+                    self.publish_all(outputs, of)
+
+    def _way(self, topic: str, uav: str) -> Way:
+        """Return who takes a topic of a UAV: those that have joined by now stay the same."""
+        full = topics.of_uav(topic, uav)
+        takers = self._takers.get(full, [])
+        carry = WIRES[topic].carried if takers else _unchanged
+        return Way(full, self._listeners.get(full), carry, takers)
 
     def publish_all(self, outputs: Outputs, uav: str = "") -> None:
         """Hand on all of a component's outputs."""

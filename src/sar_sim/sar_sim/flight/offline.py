@@ -206,12 +206,12 @@ class OfflineFlight:
 
     def _step(self) -> None:
         receptions = self.world.step()
-        bus = self._bus
+        bus, time_s = self._bus, self.world.time_s
         bus.now_s = self._clock_s()
         self._steps += 1
         for chain in self.chains:
-            chain.step(bus, self.world.time_s)
-        while self._corners and self._corners[0].onset_time_s <= self.world.time_s:
+            chain.step(bus, time_s)
+        while self._corners and self._corners[0].onset_time_s <= time_s:
             self._record(topics.TRUE_CORNER, self._corners.pop(0))
         for reception in receptions:
             bus.receive(reception)

@@ -137,7 +137,8 @@ class World:
     def step(self) -> list[Reception]:
         """Advance by one step; return what the receiver gave, stamped with the ROS clock."""
         self._steps += 1
-        if self._to_come and self._to_come[0].onset_time_s <= self.time_s:
+        time_s = self.time_s
+        if self._to_come and self._to_come[0].onset_time_s <= time_s:
             self._to_come.popleft()
             for rng, autopilot in zip(self._extra, self.autopilots.values(), strict=True):
                 self._disturb(rng, autopilot)
@@ -145,10 +146,7 @@ class World:
         for autopilot in self.autopilots.values():
             autopilot.wind_mps = wind_mps
             autopilot.step(STEP_S)
-        return [
-            replace(item, fix=replace(item.fix, time_s=self._stamp(item.fix)))
-            for item in self.source.due(self.time_s)
-        ]
+        return [self._stamped(item) for item in self.source.due(time_s)]
 
     def _disturb(self, rng: np.random.Generator, autopilot: SimAutopilot) -> None:
         """Have a UAV fly a corner worse than it should, as the scenario says."""
@@ -157,9 +155,12 @@ class World:
         if uav.widest_radius_m > uav.min_radius_m:
             autopilot.turn_no_tighter(float(rng.uniform(uav.min_radius_m, uav.widest_radius_m)))
 
-    def _stamp(self, fix: Fix) -> float:
+    def _stamped(self, item: Reception) -> Reception:
+        """Return what the receiver gave with its time by the ROS clock."""
+        fix = item.fix
         epoch_s = self.epoch_s if self.helicopter is not None else 0.0
-        return fix.time_s + epoch_s + self._clock_error_s
+        time_s = fix.time_s + epoch_s + self._clock_error_s
+        return item if time_s == fix.time_s else replace(item, fix=replace(fix, time_s=time_s))
 
     def truth(self, ros_time_s: float, *, uav: bool = True) -> list[tuple[str, UavReport]]:
         """Return the true motions by topic; ``uav``: whether UAVs are flown here."""

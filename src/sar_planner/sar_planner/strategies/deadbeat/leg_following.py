@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
+from sar_estimator.common.frozen import replaced
 from sar_planner.guidance.speed_control import trimmed_mps
 from sar_planner.guidance.waypoint_lists import HoldListing, SlotListing
+from sar_planner.rejoin.tracked_path import is_on_track
 from sar_planner.strategies.active_corner import Mode
 from sar_planner.strategies.deadbeat.rejoining import start_rejoining
 from sar_planner.strategies.deadbeat.state import Decision, State, Tick
@@ -15,8 +15,9 @@ def follow_leg(state: State, tick: Tick) -> Decision:
     """Lead the UAV along its slot track and trim its speed, or back to it."""
     expected, mission = tick.expected, tick.mission
     frame = tick.slot_frame
-    lag_m = expected.in_frame(frame).slot_x_m(tick.now_s) - tick.uav_in(frame).x_m
-    on_slot = tick.on_slot()
+    uav = tick.uav_in(frame)
+    lag_m = frame.to_frame(expected.leg).x_m + expected.along_m(tick.now_s) - uav.x_m
+    on_slot = is_on_track(uav)
     if (not on_slot or lag_m < -tick.most_ahead_m) and tick.now_s >= state.retry_s:
         return start_rejoining(state, tick)
     if not on_slot:
@@ -31,7 +32,7 @@ def follow_leg(state: State, tick: Tick) -> Decision:
         faster=tick.faster,
     )
     return Decision(
-        replace(state, speed_mps=speed_mps, led_s=tick.now_s),
+        replaced(state, speed_mps=speed_mps, led_s=tick.now_s),
         SlotListing(str(Mode.LEG), state.slot),
     )
 
@@ -47,9 +48,9 @@ def unfit_speed(tick: Tick) -> str:
 
 def hold(state: State, tick: Tick, reason: str) -> Decision:
     """Keep out of the way: the list ends ahead, where the bridge lets the UAV circle."""
-    state = replace(state, problem=f"holding: {reason}")
+    state = replaced(state, problem=f"holding: {reason}")
     uav = tick.situation.uav
     if state.mode is Mode.HOLD or uav is None:
         return Decision(state)
-    held = replace(state.without_path(Mode.HOLD), path_problem="")
+    held = replaced(state.without_path(Mode.HOLD), path_problem="")
     return Decision(held, HoldListing(str(Mode.HOLD), uav.pose))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
+from sar_estimator.common.frozen import replaced
 from sar_estimator.common.states import Phase
 from sar_planner.paths.flight_path import FlightPath
 from sar_planner.prediction.separation import beside_apart_m, least_apart_m
@@ -39,7 +39,7 @@ def follow_path(state: State, tick: Tick) -> Decision:
     path = path.followed(here, path.speed_mps * (now_s - state.followed_s))
     efficiency = state.efficiency.watched(now_s, path.flown_m, tick.flown_mps(path.speed_mps))
     share = tick.speed_share(path)
-    state = replace(state, path=path, followed_s=now_s, efficiency=efficiency, speed_share=share)
+    state = replaced(state, path=path, followed_s=now_s, efficiency=efficiency, speed_share=share)
     rest = path.path.cut(min(path.flown_m, path.path.length_m))
     if _is_over(path, rest, tick):
         return follow_leg(state.left(tick), tick)
@@ -60,7 +60,7 @@ def follow_path(state: State, tick: Tick) -> Decision:
         else:  # as fast as the wind lets it on each course
             fastest = max(fastest, (1.0 + tick.turned_faster) * tick.expected.speed_mps)
     path = path.timed(rest, forecasts[0], now_s, (slowest, fastest), state.share)
-    state = replace(state, path=path, speed_mps=path.speed_mps)
+    state = replaced(state, path=path, speed_mps=path.speed_mps)
     speed_mps = path.speed_mps * state.share
     lag_m = final_lag_m(rest, forecasts[0], start_s=now_s, speed_mps=speed_mps)
     tolerance_m = max(tick.mission.lag_tolerance_m, tick.mission.far_tolerance * rest.length_m)

@@ -23,7 +23,7 @@ def start_rejoining(state: State, tick: Tick) -> Decision:
     if plan.closest_m >= tick.corner.separation_m:
         return taken
     problem = f"rejoining comes within {plan.closest_m:.0f} m of the helicopter"
-    return replace(taken, state=replace(taken.state, path_problem=problem))
+    return taken._replace(state=replace(taken.state, path_problem=problem))
 
 
 def rejoin_plan(state: State, tick: Tick) -> RejoinPlan | None:

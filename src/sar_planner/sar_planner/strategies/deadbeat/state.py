@@ -7,10 +7,13 @@ another activity in the same tick takes the state that it left. Nothing in them 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
+from sar_estimator.common.frozen import replaced
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import CornerEstimate
 from sar_planner.guidance.flown_speed import FlownPath, airspeed_of, flown
@@ -44,7 +47,7 @@ NEEDS = {
 """Whether a mode has a corner, and a path."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class State:
     """Everything that the strategy remembers from one decision to the next.
 
@@ -105,7 +108,7 @@ class State:
     def without_path(self, mode: Mode) -> State:
         """Return the state in a mode that flies no path; a corner that was flown is done."""
         done = self.done_corner if self.corner is None else self.corner.k
-        return replace(self, mode=mode, corner=None, path=None, done_corner=done)
+        return replaced(self, mode=mode, corner=None, path=None, done_corner=done)
 
     def on_path(self, path: TrackedPath, tick: Tick, corner: ActiveCorner | None = None) -> State:
         """Return the state with another path from now on.
@@ -113,7 +116,7 @@ class State:
         Of ``corner``, or of the one that is flown; rejoining where there is none.
         """
         corner = self.corner if corner is None else corner
-        return replace(
+        return replaced(
             self,
             mode=Mode.REJOIN if corner is None else Mode.CORNER,
             corner=corner,
@@ -127,15 +130,15 @@ class State:
 
     def left(self, tick: Tick) -> State:
         """Return the state once a path is flown, or no longer wanted: on the leg."""
-        leg = replace(self.without_path(Mode.LEG), speed_up=1.0, path_problem="")
+        leg = replaced(self.without_path(Mode.LEG), speed_up=1.0, path_problem="")
         if self.corner is None or not self.corner.committed:
             return leg
         efficiency = self.efficiency.learnt()
         lag_m = tick.lag_setpoint_m(efficiency.share)
-        return replace(leg, efficiency=efficiency, lag_setpoint_m=lag_m)
+        return replaced(leg, efficiency=efficiency, lag_setpoint_m=lag_m)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Tick:
     """What a decision is taken from, all of it at ``now_s``.
 
@@ -158,7 +161,7 @@ class Tick:
         """The motion that is expected of the helicopter."""
         return self.forecasts[0]
 
-    @property
+    @cached_property
     def slot_frame(self) -> CornerFrame:
         """The frame of the slot track of the leg that is expected in the end."""
         return self.situation.slot_frame(self.expected.leg)
@@ -282,8 +285,7 @@ class Tick:
         return is_on_track(self.uav_in(self.slot_frame))
 
 
-@dataclass(frozen=True, slots=True)
-class Decision:
+class Decision(NamedTuple):
     """What comes of an activity: the state it leaves, and what is to be listed, if anything.
 
     ``goes_on``: the activity had nothing to decide; the next one does.

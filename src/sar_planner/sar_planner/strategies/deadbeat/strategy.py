@@ -9,8 +9,8 @@ is no longer as wanted, what is left of it is solved again from where the UAV re
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
+from sar_estimator.common.frozen import replaced
 from sar_estimator.common.states import LegEstimate, Phase
 from sar_planner.guidance.leg_lag import drift_m
 from sar_planner.guidance.path_efficiency import PathEfficiency
@@ -85,16 +85,16 @@ class DeadbeatStrategy(Strategy):
     def begin(self) -> None:
         """Begin to lead; a corner that is already over is not planned."""
         self.lists.forget()
-        state = replace(self.state, led_s=-math.inf, problem="")
+        state = replaced(self.state, led_s=-math.inf, problem="")
         if state.mode is Mode.HOLD:
             state = state.without_path(Mode.LEG)
         if self._s.phase is not Phase.DECELERATING:
-            state = replace(state, done_corner=self._s.corners_seen)
+            state = replaced(state, done_corner=self._s.corners_seen)
         self.state = state
 
     def end(self) -> None:
         """Stop leading."""
-        self.state = replace(self.state.without_path(Mode.LEG), speed_mps=None)
+        self.state = replaced(self.state.without_path(Mode.LEG), speed_mps=None)
 
     def believes(self, leg: LegEstimate) -> bool:
         """Whether a leg is not older than the last stop."""
@@ -105,7 +105,7 @@ class DeadbeatStrategy(Strategy):
         """Forget the path being flown."""
         self.lists.forget()
         mode = Mode.HOLD if self.state.mode is Mode.HOLD else Mode.LEG
-        self.state = replace(
+        self.state = replaced(
             self.state.without_path(mode),
             planned=None,
             retry_s=-math.inf,
@@ -120,7 +120,7 @@ class DeadbeatStrategy(Strategy):
             return None  # it keeps its place on a leg, looked at a moment ago: what was said stands
         if self._learn_radius(on_path=state.path is not None):
             # What wide turns cost in this corner is no bias of the next.
-            state = replace(state, efficiency=state.efficiency.cancelled())
+            state = replaced(state, efficiency=state.efficiency.cancelled())
         tick = tick_at(now_s, self._s, self._corner, self._mission, self.lists.air)
         if tick.forecasts:
             self.lists.side = tick.slot_frame.turn_side
@@ -155,17 +155,18 @@ def tick_at(
 def decide(state: State, tick: Tick) -> Decision:
     """Return what is to be done: the corner ahead first, then the path, then the leg."""
     situation = tick.situation
-    given_up = situation.went_on and not state.went_on
-    state = replace(state, problem="", led_s=-math.inf, went_on=situation.went_on, aim_m=tick.aim_m)
+    went_on = situation.went_on
+    given_up = went_on and not state.went_on
+    state = replaced(state, problem="", led_s=-math.inf, went_on=went_on, aim_m=tick.aim_m)
     if not tick.forecasts:
         problem = "helicopter's leg not known: the UAV stays on its list"
-        return Decision(replace(state, problem=problem))
-    if state.path is not None and situation.went_on:
+        return Decision(replaced(state, problem=problem))
+    if state.path is not None and went_on:
         # The corner was none: a UAV that is still on its leg, or has not turned, stays there.
         begun = state.corner is None or state.corner.committed
         if not begun or (given_up and tick.on_slot()):
             state = state.left(tick)
-    state = replace(state, slot=situation.slot_of(tick.expected.leg))
+    state = replaced(state, slot=tick.slot_frame.origin)
     planned = plan_corner(state, tick)
     if not planned.goes_on:
         return planned
