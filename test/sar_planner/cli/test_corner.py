@@ -146,3 +146,40 @@ def test_what_does_not_go_together_is_refused(arguments, message, capsys):
 def test_a_turn_without_an_outside_is_refused(capsys):
     assert main(["--side", "outside", "--turn", "170", "--lag", "0"]) == 2
     assert "turn of 170 degrees" in capsys.readouterr().err
+
+
+def test_a_corner_in_wind_is_planned_with_what_can_be_made_good_in_it(capsys):
+    def flown(*options):
+        code, out, _ = run(capsys, "--lag", "0", "--lead", "80", *options)
+        assert code == 0
+        lines = out.splitlines()
+        share = float(lines[1].split(",")[1].split()[0])
+        return lines[0], share, float(lines[2].split()[2]), float(lines[3].split()[2])
+
+    _, share, next_lag_m, apart_m = flown("--wind", "0,0")
+    assert share == 100.0
+    assert abs(next_lag_m) < 0.1
+    assert apart_m > 200.0
+    name, share, next_lag_m, apart_m = flown("--wind", "10,45")
+    assert name == "wind 10 m/s from 045, old leg on course 000, airspeed 10 to 30 m/s"
+    assert 85.0 < share < 100.0
+    assert abs(next_lag_m) < 15.0
+    assert apart_m > 190.0
+    same = flown("--wind", "10,135", "--course", "90")
+    assert same[1:] == (share, next_lag_m, apart_m)
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [
+        (("--wind", "10,45", "--side", "outside"), "--wind: expected with the deadbeat rules"),
+        (("--wind", "10,45", "--json"), "--wind: expected with the deadbeat rules"),
+        (("--wind", "ten"), "'ten': expected two numbers, A,B"),
+        (("--wind", "10,45", "--airspeed", "30,10"), "expected MIN less than MAX"),
+    ],
+)
+def test_a_wind_that_cannot_be_shown_is_refused(capsys, options, error):
+    with pytest.raises(SystemExit) as ended:
+        main(["--lag", "0", *options])
+    assert ended.value.code == 2
+    assert error in capsys.readouterr().err

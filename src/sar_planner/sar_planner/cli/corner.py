@@ -13,6 +13,8 @@ from typing import Any
 import yaml
 
 from sar_estimator.common.checked import read
+from sar_planner.cli.corner_wind import CornerWind, described, planned_in_wind
+from sar_planner.cli.envelope import pair
 from sar_planner.cli.pattern_corners import corners_of, line_of
 from sar_planner.parameters.corner import RULE_SETS, CornerParameters, ParameterError
 from sar_planner.parameters.mission import MissionParameters
@@ -59,6 +61,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--turn", type=float, default=RIGHT_ANGLE_DEG, help="degrees")
     parser.add_argument("--pattern", choices=PATTERNS, help="its corners, for a slot on --side")
     parser.add_argument("--tracks", type=int, choices=(1, 2, 3), default=1, help="of that slot")
+    parser.add_argument("--wind", type=pair, metavar="MPS,FROM", help="flown in it; from [deg]")
+    parser.add_argument("--course", type=float, default=0.0, help="of the old leg, with --wind")
+    parser.add_argument("--airspeed", type=pair, default=(10.0, 30.0), metavar="MIN,MAX")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--graph", action="store_true", help="print the automaton (fig. 8)")
     parser.add_argument("--params", type=Path, help="YAML file of corner parameters")
@@ -71,6 +76,11 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         parser.error(f"--side {args.side}: expected with --pattern")
     if args.pattern is not None and args.side == "over":
         parser.error("--side over: expected without --pattern, which says where the UAV goes over")
+    plain = args.side == "inside" and args.turn == RIGHT_ANGLE_DEG and args.rule is None
+    if args.wind is not None and not (plain and args.rules == "deadbeat" and not args.json):
+        parser.error("--wind: expected with the deadbeat rules at a right angle, inside, no --json")
+    if not args.airspeed[0] < args.airspeed[1]:
+        parser.error(f"--airspeed {args.airspeed}: expected MIN less than MAX")
     return args
 
 
@@ -219,7 +229,14 @@ def main(argv: list[str] | None = None) -> int:
         automaton = make_rule_set(rules, _parameters(args))
         if args.graph:
             sys.stdout.write(automaton.describe() + "\n")
-        if args.lag is not None:
+        if args.lag is not None and args.wind is not None:
+            mps, from_deg = args.wind
+            wind = CornerWind(mps, from_deg, args.course, args.airspeed)
+            plan, found = planned_in_wind(automaton.parameters, args.lag, args.lead, wind)
+            sys.stdout.write(described(plan, found, wind))
+            nearest = closest_approach(plan.path, plan.parameters)
+            _print_plan(plan, nearest, math.radians(RIGHT_ANGLE_DEG), as_json=False)
+        elif args.lag is not None:
             plan = _plan(automaton, args.lag, args.rule, args.lead)
             nearest = closest_approach(plan.path, plan.parameters)
             turn_rad = math.radians(RIGHT_ANGLE_DEG)
