@@ -160,10 +160,9 @@ class MotionFilters:
             return one.x, one.P
         known = self._ahead[which]
         if known is None or known[0] != time_s:
-            # As get_prediction, which looks at what may be given, but never is here.
-            transition, noises = models(round(dt, 9), self._tau_s, self._accels)
-            covariance = transition.dot(one.P).dot(transition.T) + noises[which]
-            known = self._ahead[which] = time_s, transition.dot(one.x), covariance
+            one.F, noises = models(round(dt, 9), self._tau_s, self._accels)
+            one.Q = noises[which]
+            known = self._ahead[which] = time_s, *one.get_prediction()
         return known[1], known[2]
 
     def settle(self) -> None:
