@@ -258,7 +258,7 @@ class MissionPlanner:
     @property
     def turn_radius_m(self) -> float:
         """The radius that paths are planned with: more than the configured one where learnt [m]."""
-        return self._strategy.turns.radius_m
+        return self._strategy.turns.believed.radius_m
 
     def lag_m(self) -> float | None:
         """Return the UAV's lag [m]: L(k) in a corner, on a leg the present along-track lag."""

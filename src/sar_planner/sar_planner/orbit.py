@@ -249,7 +249,7 @@ class Orbit:
         for aside in AWAY_RAD:
             turn = wrap_angle(away + aside - start.heading_rad)
             for straight_m in AWAY_M:
-                arc = Arc(self._turns.radius_m, turn)
+                arc = Arc(self._turns.believed.radius_m, turn)
                 found.append(FlightPath.of(start, (arc, Straight(straight_m))))
         return found
 
@@ -259,7 +259,7 @@ class Orbit:
         """Return ways onto a circle and the side they are flown to, the shortest first."""
         assert self.state is not None
         mark = self.state.mark.x_m, self.state.mark.y_m
-        turn_m = self._turns.radius_m
+        turn_m = self._turns.believed.radius_m
         if prefixes is None:
             return entries(start, mark, circle_m=circle_m, turn_m=turn_m)
         found = []

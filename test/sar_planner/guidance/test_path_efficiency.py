@@ -44,3 +44,30 @@ def test_what_is_not_watched_changes_nothing():
     assert one.watched(1.0, 20.0, 20.0) is one
     assert one.moved() is one
     assert one.learnt() == one
+
+
+def test_of_an_autopilot_that_tells_nothing_the_first_corner_says_all():
+    known, unknown = (
+        PathEfficiency(0.5).begun(20.0),
+        PathEfficiency(0.5).begun(20.0, is_known=False),
+    )
+    for second in range(7):
+        known, unknown = (
+            one.watched(float(second), 12.0 * second, 20.0) for one in (known, unknown)
+        )
+    assert unknown.now < 0.72
+    assert known.now > 0.8
+    for second in range(7, 30):
+        unknown = unknown.watched(float(second), 12.0 * second, 20.0)
+    first = unknown.learnt()
+    assert first.share == pytest.approx(0.6)
+    again = first.begun(20.0, is_known=False)
+    assert again.corner == first.begun(20.0).corner
+
+
+def test_a_few_seconds_of_a_corner_teach_nothing_either_way():
+    for is_known in (True, False):
+        one = PathEfficiency(0.5).begun(20.0, is_known=is_known)
+        for second in range(6):
+            one = one.watched(float(second), 12.0 * second, 20.0)
+        assert one.learnt() == PathEfficiency(0.5)

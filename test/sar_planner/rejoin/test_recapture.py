@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from sar_estimator.common.pose import Pose
 from sar_planner.paths.flight_path import Arc, CornerFrame, FlightPath, Straight
-from sar_planner.paths.slot_intercept import PathBatch
+from sar_planner.paths.slot_intercept import PathBatch, row_of
 from sar_planner.prediction.forecast import cornering, cruising
 from sar_planner.prediction.separation import closest_over_time
-from sar_planner.rejoin.recapture import Recapture, row_of
+from sar_planner.rejoin.recapture import Recapture
 from sar_planner.rejoin.tracked_path import TrackedPath, final_lag_m, total_turn_rad
 
 FRAME = CornerFrame(Pose(0.0, 0.0, 0.0), 1)

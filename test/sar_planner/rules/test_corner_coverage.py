@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from sar_planner.parameters.corner import CornerParameters
-from sar_planner.paths.slot_intercept import STRAIGHT_Q, STRAIGHT_Y, PathBatch
-from sar_planner.rejoin.recapture import row_of
+from sar_planner.paths.slot_intercept import STRAIGHT_Q, STRAIGHT_Y, PathBatch, row_of
 from sar_planner.rules.corner_coverage import SweepAt, sweep_of
 from sar_planner.rules.deadbeat_rules import DeadbeatRules
 from sar_planner.rules.paper_rules import Rule

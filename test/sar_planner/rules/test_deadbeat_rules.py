@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from sar_estimator.common.pose import Pose
 from sar_planner.parameters.corner import CornerParameters, ParameterError
-from sar_planner.prediction.separation import closest_approach
+from sar_planner.prediction.separation import closest_approach, corner_forecast, least_apart_m
 from sar_planner.rules.deadbeat_automaton import DeadbeatAutomaton
-from sar_planner.rules.deadbeat_rules import DeadbeatRules, least_lag_m
+from sar_planner.rules.deadbeat_rules import DeadbeatRules
 from sar_planner.rules.paper_rules import NoPathError
 
 P = CornerParameters()
@@ -120,10 +120,22 @@ def test_guarantees_or_a_refusal_that_names_its_bound(speed, radius, accel, spac
         assert abs(lag) <= 0.5 or share not in np.linspace(-3.2, 5.6, 221)
 
 
-def test_a_uav_that_makes_little_good_needs_a_lag_to_take_out():
-    sloppy = DeadbeatRules(P, path_efficiency=0.7)
-    least = least_lag_m(sloppy, lead_m=100.0, separation_m=200.0)
-    assert 100.0 < least < 300.0
-    assert abs(sloppy.plan(least, lead_m=100.0, separation_m=200.0).next_lag_m) <= 0.5
-    assert sloppy.plan(0.0, lead_m=100.0, separation_m=200.0).next_lag_m > 500.0
-    assert least_lag_m(DeadbeatRules(P), lead_m=100.0, separation_m=200.0) == 0.0
+@pytest.mark.parametrize("lag", [150.0, 245.0, 300.0])
+def test_a_path_stays_apart_from_where_a_slow_uav_would_be_too(lag):
+    """At L = 245 m one that makes 65 % good comes within some 130 m where that is not asked for."""
+    plans = [
+        DeadbeatRules(P, least_efficiency=least).plan(lag, lead_m=80.0, separation_m=200.0)
+        for least in (None, 0.65)
+    ]
+    apart = [
+        least_apart_m(plan.path, [corner_forecast(P)], start_s=0.0, speed_mps=0.65 * 20.0)
+        for plan in plans
+    ]
+    assert apart[1] > apart[0]
+    assert closest_approach(plans[1].path, P).distance_m >= 200.0 - 1e-6
+
+
+def test_what_a_plan_leaves_out_is_told():
+    rules = DeadbeatRules(P)
+    plan = rules.plan(0.0, lead_m=100.0, separation_m=200.0)
+    assert 0.0 <= rules.uncovered_m2(plan) < 0.1 * 250.0**2

@@ -154,7 +154,7 @@ def test_messages_are_paired_by_their_times(events):
 def test_the_first_difference_is_told_with_its_time_and_topic(monkeypatch, capsys):
     monkeypatch.setattr("sar_planner.strategies.deadbeat.path_following.BESIDE_M", -1.0)
     monkeypatch.setattr("sar_planner.strategies.deadbeat.correction.CORRECTED_SHARE", 4.0)
-    assert main([str(BAGS / "one_corner")]) == 1
+    assert main([str(BAGS / "one_corner_human")]) == 1
     lines = capsys.readouterr().out.splitlines()
     assert lines[-2].startswith("t = ")
     assert re.search(

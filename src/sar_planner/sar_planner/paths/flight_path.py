@@ -182,8 +182,13 @@ class FlightPath:
         return np.array(rows, dtype=np.float64).T.copy()
 
     @cached_property
+    def widest_m(self) -> float:
+        """The largest radius of its turns [m], 0 where it has none."""
+        return max((part.radius_m for part in self.segments if isinstance(part, Arc)), default=0.0)
+
+    @cached_property
     def in_map(self) -> dict[CornerFrame, FlightPath]:
-        """The same path in the map, by the frames that it is taken to be of."""
+        """The same path in the map, by the frames it is taken to be of; kept by ``path_to_map``."""
         return {}
 
     @property

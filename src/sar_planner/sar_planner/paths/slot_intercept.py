@@ -272,3 +272,18 @@ class InterceptProblem:
         lead = batch.rows[:, STRAIGHT_P]
         weighed = self.slow_factor * (batch.lengths_m - lead) + self._lead_factor * lead
         return weighed - (batch.ends[:, 0] - self.start.x_m)
+
+
+def row_of(path: FlightPath) -> FloatArray | None:
+    """Return a path as a row of ``PathBatch``, shape (7,); None where it is no such path."""
+    row = np.zeros(COLUMNS)
+    kinds = (Straight, Arc, Straight, Arc, Straight, Arc, Arc)
+    column = 0
+    for part in path.segments:
+        while column < COLUMNS and not isinstance(part, kinds[column]):
+            column += 1
+        if column == COLUMNS:
+            return None
+        row[column] = part.turn_rad if isinstance(part, Arc) else part.length_m
+        column += 1
+    return row

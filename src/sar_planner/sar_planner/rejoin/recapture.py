@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sar_estimator.common.pose import Pose
-from sar_planner.paths.flight_path import Arc, FlightPath, FloatArray, Straight
+from sar_planner.paths.flight_path import FlightPath, FloatArray
 from sar_planner.paths.slot_intercept import (
-    COLUMNS,
     STRAIGHT_P,
     STRAIGHT_Q,
     STRAIGHT_Y,
@@ -52,21 +51,6 @@ def _near(turn_rad: float) -> FloatArray:
         return np.zeros(1)
     near = turn_rad + NEAR_RAD
     return near[near * turn_rad > 0.0]
-
-
-def row_of(path: FlightPath) -> FloatArray | None:
-    """Return a path as a row of ``PathBatch``, shape (7,); None where it is no such path."""
-    row = np.zeros(COLUMNS)
-    kinds = (Straight, Arc, Straight, Arc, Straight, Arc, Arc)
-    column = 0
-    for part in path.segments:
-        while column < COLUMNS and not isinstance(part, kinds[column]):
-            column += 1
-        if column == COLUMNS:
-            return None
-        row[column] = part.turn_rad if isinstance(part, Arc) else part.length_m
-        column += 1
-    return row
 
 
 @dataclass(frozen=True)

@@ -113,13 +113,15 @@ class DeadbeatPaths:
         path_efficiency: float = 1.0,
         turn_rad: float = HALF_PI,
         aim_m: float = 0.0,
+        least_efficiency: float | None = None,
     ) -> None:
         """Prepare what does not depend on the lag.
 
         ``path_efficiency``: share of V that the UAV makes good along its path after the lead-in,
         above 1 where it flies faster. ``turn_rad``: the size of the turn [rad].
-        ``aim_m``: the L(k+1) that is wanted [m]. Raises
-        ``NoPathError`` for one that the rules are not for.
+        ``aim_m``: the L(k+1) that is wanted [m]. ``least_efficiency``: paths are to stay apart with
+        that share, too, where it is given. Raises ``NoPathError`` for one that the rules are not
+        for.
         """
         if not LEAST_TURN_RAD <= turn_rad <= MOST_TURN_RAD:
             raise NoPathError(
@@ -128,6 +130,8 @@ class DeadbeatPaths:
             )
         self.parameters = parameters
         self._path_efficiency = path_efficiency
+        least = path_efficiency if least_efficiency is None else least_efficiency
+        self._shares = (path_efficiency, *((least,) if least < path_efficiency else ()))
         self._turn_rad, self.aim_m = turn_rad, aim_m
         self.frame = slot_frame(parameters, turn_rad)
         self._slot_forecast = corner_forecast(parameters, turn_rad).in_frame(self.frame)
@@ -215,15 +219,18 @@ class DeadbeatPaths:
     def keep(self, batch: PathBatch, separation_m: float) -> NDArray[np.bool_]:
         """Return which paths are certain to keep a separation, shape (n,)."""
         speed = self.parameters.speed_mps
-        distances = least_distances_m(
-            batch,
-            self._slot_forecast,
-            start_s=0.0,
-            speeds_mps=speed * self._path_efficiency,
-            lead_mps=speed,
-            kept_m=separation_m,
-        )
-        return distances >= separation_m
+        kept = np.ones(len(batch), dtype=np.bool_)
+        for share in self._shares:
+            distances = least_distances_m(
+                batch,
+                self._slot_forecast,
+                start_s=0.0,
+                speeds_mps=speed * share,
+                lead_mps=speed,
+                kept_m=separation_m,
+            )
+            kept &= distances >= separation_m
+        return kept
 
     def plan_of(self, rule: Rule, lag_m: float, batch: PathBatch) -> CornerPlan:
         """Return the plan to fly a batch's only path, in the corner's frame."""

@@ -33,6 +33,7 @@ from sar_planner.paths.slot_intercept import (
     STRAIGHT_Y,
     InterceptProblem,
     PathBatch,
+    row_of,
 )
 from sar_planner.prediction.separation import ClosestApproach
 from sar_planner.rules.deadbeat_paths import HALF_PI, Candidates, DeadbeatPaths
@@ -43,7 +44,6 @@ WEAVES_ABOUT_RAD = np.radians(
     np.stack(np.meshgrid((-5, 0, 5), (-7, 0, 7), (-5, 0, 5), indexing="ij"), axis=-1).reshape(-1, 3)
 )
 WOVEN = 8
-LAG_STEP, LAG_STEPS = 0.1, 24
 SEEN = 0.04
 CONVERGED_M = 0.5
 COMPARED = 5
@@ -64,16 +64,29 @@ class DeadbeatRules:
         path_efficiency: float = 1.0,
         turn_rad: float = HALF_PI,
         aim_m: float = 0.0,
+        least_efficiency: float | None = None,
     ) -> None:
         """Prepare what does not depend on the lag; see ``DeadbeatPaths``."""
         self.parameters = parameters
         self.paths = DeadbeatPaths(
-            parameters, path_efficiency=path_efficiency, turn_rad=turn_rad, aim_m=aim_m
+            parameters,
+            path_efficiency=path_efficiency,
+            turn_rad=turn_rad,
+            aim_m=aim_m,
+            least_efficiency=least_efficiency,
         )
 
     def closest(self, path: FlightPath) -> ClosestApproach:
         """Return the closest approach of a path that is flown at V."""
         return self.paths.closest(path)
+
+    def uncovered_m2(self, plan: CornerPlan) -> float:
+        """Return the area of the UAV's two swaths that a plan leaves out [m^2]."""
+        path = self.paths.frame.path_from_map(plan.path)
+        row = row_of(path)
+        assert row is not None
+        batch = PathBatch(path.start, self.parameters.turn_radius_m, row[None, :])
+        return float(self.paths.uncovered_m2(batch)[0])
 
     def _missed_m(self, family: Candidates) -> FloatArray:
         """Return by how much the paths of a family miss the L(k+1) wanted [m]."""
@@ -203,20 +216,3 @@ class DeadbeatRules:
         order = np.argsort(lags, kind="stable")
         found = self._first_safe(batch, order, separation_m, 1)
         return (rules[found[0]], batch.take(found)) if found else None
-
-
-def least_lag_m(rules: DeadbeatRules, *, lead_m: float, separation_m: float) -> float:
-    """Return the least lag, 0 or more, that one corner takes out; 0 where none is found.
-
-    A UAV that makes good little of its speed cannot take any out from L = 0: it is then on the
-    far side of the helicopter's new leg, and has no time to come back across it.
-    """
-    step = LAG_STEP * rules.parameters.spacing_m
-    for count in range(LAG_STEPS):
-        try:
-            plan = rules.plan(count * step, lead_m=lead_m, separation_m=separation_m)
-        except NoPathError:
-            continue
-        if abs(plan.next_lag_m) <= CONVERGED_M:
-            return count * step
-    return 0.0

@@ -31,6 +31,7 @@ class ActiveCorner:
 
     ``uav_speed_mps``: along the path, since the onset. ``sure``: what the newest list keeps from a
     tube of such corners, None where that is not known: once the helicopter has stopped.
+    ``unsure``: planned before it was seen how the UAV turns.
     """
 
     k: int
@@ -41,6 +42,7 @@ class ActiveCorner:
     uav_speed_mps: float
     committed: bool = False
     sure: SureApart | None = None
+    unsure: bool = False
 
     @property
     def path(self) -> FlightPath:

@@ -8,10 +8,11 @@ from typing import NamedTuple
 
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import LegEstimate
-from sar_planner.guidance.turn_radius import TurnRadius
+from sar_planner.guidance.turn_radius import TurnRadius, Turns
 from sar_planner.guidance.waypoint_lists import Listed, WaypointLists
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
+from sar_planner.paths.flight_path import FlightPath
 from sar_planner.prediction.situation import Situation
 from sar_planner.strategies.active_corner import ActiveCorner, Mode
 
@@ -49,11 +50,11 @@ class Strategy(ABC):
         self._corner = corner
         self._mission = mission
         self.lists = WaypointLists(corner, mission)
-        self.turns = TurnRadius(corner.turn_radius_m, corner.spacing_m)
+        self.turns = TurnRadius(corner.turn_radius_m, corner.spacing_m, corner.speed_mps)
 
     def set_corner(self, corner: CornerParameters) -> None:
         """Plan for a slot at the distance ``spacing_m``; the radius that was learnt stays."""
-        radius_m = max(corner.turn_radius_m, self.turns.radius_m)
+        radius_m = max(corner.turn_radius_m, self.turns.believed.radius_m)
         self._corner = replace(corner, turn_radius_m=radius_m)
         self.lists.set_corner(corner)
 
@@ -61,19 +62,26 @@ class Strategy(ABC):
         """Plan with another time [s] from a decision to the autopilot flying the list."""
         self._mission = replace(self._mission, reaction_s=reaction_s)
 
-    def _learn_radius(self, *, on_path: bool) -> bool:
+    def _learn_radius(self, path: FlightPath | None) -> bool:
         """Plan with the radius that the UAV turns with; return whether it is news.
 
-        ``on_path``: whether a path is flown: what other circles it flies is its own choice. An
+        ``path``: that is flown, None for none: what other circles it flies is its own choice. An
         autopilot that tells of its guidance is led so that it flies the arcs it is given.
         """
-        if not on_path or self._s.uav is None or self.lists.tuning is not None:
+        told_m = 0.0 if path is None else path.widest_m
+        if told_m == 0.0 or self._s.uav is None or self.lists.tuning is not None:
             self.turns.forget_turn()
             return False
-        learnt = self.turns.watch(self._s.uav)
+        learnt = self.turns.watch(self._s.uav, told_m)
         if learnt:
-            self._corner = replace(self._corner, turn_radius_m=self.turns.radius_m)
+            self._corner = replace(self._corner, turn_radius_m=self.turns.believed.radius_m)
         return learnt
+
+    @property
+    def _believed_turns(self) -> Turns:
+        """What is believed of how the UAV turns: all that it tells, where it tells anything."""
+        found = self.turns.believed
+        return found if self.lists.tuning is None else replace(found, is_sure=True)
 
     @property
     @abstractmethod

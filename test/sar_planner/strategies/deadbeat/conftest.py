@@ -6,6 +6,7 @@ import pytest
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.guidance.path_efficiency import PathEfficiency
+from sar_planner.guidance.turn_radius import Turns
 from sar_planner.guidance.wind_triangle import AirEnvelope
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
@@ -49,6 +50,7 @@ def tick_at():
             CornerParameters(),
             settings,
             AirEnvelope(),
+            Turns(CornerParameters().turn_radius_m),
         )
 
     return make

@@ -5,9 +5,12 @@ from dataclasses import replace
 import pytest
 
 from sar_estimator.common.pose import Pose
+from sar_planner.guidance.turn_radius import Turns
 from sar_planner.guidance.waypoint_lists import PathListing
+from sar_planner.prediction.separation import least_apart_m
 from sar_planner.strategies.active_corner import Mode
 from sar_planner.strategies.deadbeat.corner_planning import (
+    UNSURE_SHARE,
     commit_when_due,
     path_speed_mps,
     plan_corner,
@@ -72,7 +75,31 @@ def test_on_its_slot_it_turns_as_soon_as_it_can_and_is_committed_to_that(tick_at
 
 def test_a_lag_is_caught_up_with_only_where_it_is_worth_it(tick_at):
     tick = tick_at()
-    values = {"helicopter_mps": 20.0, "speed_up": 1.0, "share": 1.0}
+    values = {"helicopter_mps": 20.0, "planned_share": 1.0, "share": 1.0}
     assert path_speed_mps(tick, 1000.0, 50.0, **values) == 20.0
     assert path_speed_mps(tick, 1000.0, 70.0, **values) == pytest.approx(20.0 / 0.93)
     assert path_speed_mps(tick, 300.0, 200.0, **values) == 22.0
+
+
+def test_one_that_turns_wide_or_may_flies_a_corner_no_faster_than_planned(tick_at):
+    values = {"helicopter_mps": 20.0, "share": 1.0}
+    for turns in (Turns(150.0, is_wide=True), Turns(100.0, is_sure=False)):
+        tick = replace(tick_at(), turns=turns)
+        assert path_speed_mps(tick, 300.0, 200.0, planned_share=0.8, **values) == 16.0
+        assert path_speed_mps(tick, 300.0, 200.0, planned_share=None, **values) == 22.0
+
+
+def test_before_it_was_seen_to_turn_a_corner_is_planned_with_more_room(tick_at, state, corner):
+    """At V, with more of a margin, and apart, too, from where it would be were it slow."""
+    unsure = replace(tick_at(104.0, corner=corner, x=-470.0), turns=Turns(100.0, is_sure=False))
+    found = plan_corner(state, unsure).state
+    assert found.corner.unsure
+    assert found.speed_up == 1.0
+    path, frame = found.corner.plan.path, found.corner.frame
+    forecast = unsure.expected.in_frame(frame)
+    start_s = corner.onset_time_s
+    for share in (1.0, UNSURE_SHARE):
+        apart = least_apart_m(path, [forecast], start_s=start_s, speed_mps=20.0 * share)
+        assert apart >= unsure.corner.separation_m - 25.0
+    known = planned(tick_at, state, corner, x=-470.0).state
+    assert not known.corner.unsure

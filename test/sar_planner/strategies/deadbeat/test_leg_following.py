@@ -22,10 +22,21 @@ def test_the_speed_takes_the_lag_out_within_the_trim(tick_at, state, lag):
     assert decision.state.mode is Mode.LEG
 
 
-def test_a_lag_setpoint_is_kept(tick_at, state):
+def test_a_lag_that_is_aimed_at_is_kept(tick_at, state):
+    tick = tick_at(x=-100.0)
+    expected, *others = tick.forecasts
+    late = replace(tick, forecasts=(expected.behind(100.0), *others), aim_m=100.0)
+    assert follow_leg(state, late).state.speed_mps == pytest.approx(20.0)
+    assert follow_leg(state, tick).state.speed_mps == pytest.approx(22.0)
 
-    late = replace(state, lag_setpoint_m=100.0)
-    assert follow_leg(late, tick_at(x=-100.0)).state.speed_mps == pytest.approx(20.0)
+
+def test_nobody_is_led_back_for_what_a_first_corner_would_leave(tick_at, state):
+    tick = tick_at()
+    expected, *others = tick.forecasts
+    behind = (expected.behind(125.0), *others)
+    wary = replace(tick, forecasts=behind, aim_m=125.0, wary_m=125.0)
+    assert follow_leg(state, wary).state.mode is Mode.LEG
+    assert follow_leg(state, replace(wary, wary_m=0.0)).state.mode is Mode.REJOIN
 
 
 @pytest.mark.parametrize("where", [{"y": -330.0}, {"x": 90.0}, {"vy": 15.0}])

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from sar_planner.guidance.turn_radius import Turns
 from sar_planner.strategies.active_corner import Mode
 from sar_planner.strategies.deadbeat.rejoining import rejoin_plan, start_rejoining, take
 
@@ -21,7 +22,7 @@ def test_a_way_back_begins_at_the_uav_and_ends_on_the_slot(tick_at, state, x, y)
     ahead = tick.uav_in(tick.slot_frame, tick.mission.reaction_s)
     assert (start.x_m, start.y_m) == pytest.approx((ahead.x_m, ahead.y_m), abs=0.5)
     assert (end.y_m, end.heading_rad) == pytest.approx((0.0, 0.0), abs=1e-3)
-    slowest, fastest = tick.speeds_mps
+    slowest, fastest = tick.path_speeds_mps(None, 20.0)
     assert slowest - 1e-9 <= found.speed_mps <= fastest + 1e-9
 
 
@@ -38,9 +39,23 @@ def test_one_that_begins_too_near_is_told_with_what_it_keeps(tick_at, state):
     assert decision.state.path_problem.startswith("rejoining comes within ")
 
 
-def test_of_a_corner_that_it_ends_nothing_is_learnt(tick_at, state):
+def test_what_is_learnt_of_a_corner_goes_on_on_the_way_back(tick_at, state):
     tick = tick_at(y=-400.0)
-    begun = state.efficiency.begun(20.0)
+    begun = state.efficiency.begun(20.0).watched(99.0, 500.0, 20.0)
 
     decision = take(rejoin_plan(state, tick), replace(state, efficiency=begun), tick)
-    assert decision.state.efficiency.corner is None
+    assert decision.state.efficiency == begun.moved()
+
+
+def test_one_that_makes_little_good_is_asked_to_fly_as_fast_as_others(tick_at, state):
+    tick = tick_at(x=200.0, y=-600.0)
+    slowest, fastest = tick.path_speeds_mps(None, 20.0)
+    plan = rejoin_plan(state, tick, 0.95)
+    assert slowest - 1e-9 <= plan.speed_mps <= fastest + 1e-9
+    assert plan.duration_s >= plan.path.length_m / (0.95 * fastest) - 1e-6
+
+
+def test_one_that_turns_wide_is_led_by_wider_turns(tick_at, state):
+    wide = replace(tick_at(y=-700.0), turns=Turns(150.0, is_wide=True))
+    widest = start_rejoining(state, wide).state.path.path.widest_m
+    assert widest == pytest.approx(150.0 * 1.1**2)

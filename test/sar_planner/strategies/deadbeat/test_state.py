@@ -11,6 +11,7 @@ from sar_estimator.common.pose import Pose
 from sar_estimator.common.reports import UavStatus
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.guidance.path_efficiency import PathEfficiency
+from sar_planner.guidance.turn_radius import Turns
 from sar_planner.guidance.waypoint_lists import HoldListing, PathListing, SlotListing
 from sar_planner.mission_planner import MissionPlanner
 from sar_planner.parameters.corner import CornerParameters
@@ -237,6 +238,7 @@ def test_a_decision_changes_neither_its_state_nor_what_it_is_taken_from():
             CornerParameters(),
             MissionParameters(),
             strategy.lists.air,
+            Turns(100.0),
         )
         known = vars(situation).copy()
         one, other = decide(state, tick), decide(state, tick)
@@ -260,6 +262,7 @@ def test_what_is_listed_fits_the_mode():
             CornerParameters(),
             MissionParameters(),
             strategy.lists.air,
+            Turns(100.0),
         )
         found = decide(strategy.state, tick)
         if found.listing is not None:
@@ -282,6 +285,7 @@ def test_a_path_that_was_flown_to_its_end_teaches_its_efficiency():
         CornerParameters(),
         MissionParameters(),
         strategy.lists.air,
+        Turns(100.0),
     )
     poor = PathEfficiency(1.0).begun(20.0)
     for second in range(60):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import replace
 
 from sar_estimator.common.pose import Pose
@@ -10,7 +11,8 @@ from sar_planner.guidance.waypoint_lists import PathListing
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.paths.flight_path import CornerFrame
 from sar_planner.rejoin.tracked_path import TrackedPath, final_lag_m, is_on_track
-from sar_planner.rules.corner_speed import catching_up_mps, sped_up_plan, speed_ups_of
+from sar_planner.rules.corner_speed import catching_up_mps, sped_up_plan
+from sar_planner.rules.deadbeat_rules import CONVERGED_M
 from sar_planner.rules.outside_rules import OutsideRules
 from sar_planner.rules.paper_rules import OUTSIDE, CornerPlan, Rule
 from sar_planner.strategies.active_corner import ActiveCorner, measured, unusable
@@ -20,6 +22,7 @@ from sar_planner.strategies.deadbeat.state import Decision, State, Tick
 
 WIDER_M = (0.0, 20.0, 40.0)  # planned with, where the wind brings a path nearer than it should
 SHARE_LOOKS, SHARE_CHANGE = 3, 0.02  # at what the wind makes of a plan's speed
+UNSURE_SHARE = 0.65  # of its speed that a UAV may make good that was not seen in a turn yet
 
 
 def plan_corner(state: State, tick: Tick) -> Decision:
@@ -44,7 +47,8 @@ def plan_corner(state: State, tick: Tick) -> Decision:
     if planned is None:
         return _from_anywhere(estimate, frame, first_stop, state, tick)
     plan, speed_up, lead_mps = planned
-    active = ActiveCorner(k, estimate, frame, plan, first_stop, lead_mps)
+    unsure = not tick.turns.is_sure
+    active = ActiveCorner(k, estimate, frame, plan, first_stop, lead_mps, unsure=unsure)
     slot = tick.slot_frame
     path, flown_m = active.path, active.flown_m(tick.now_s)
     state = replace(state, speed_up=speed_up)
@@ -53,7 +57,7 @@ def plan_corner(state: State, tick: Tick) -> Decision:
         path.length_m - flown_m,
         0.0 if plan.rule in OUTSIDE else plan.next_lag_m - tick.aim_m,
         helicopter_mps=estimate.speed_mps,
-        speed_up=speed_up,
+        planned_share=speed_up,
         share=state.efficiency.now,
     )
     tracked = TrackedPath(slot, slot.path_from_map(path), estimate.onset_time_s, speed_mps, flown_m)
@@ -116,16 +120,20 @@ def _in_wind(
     """Return how far apart a plan stays as it will be flown in the wind, the plan, its speed-up."""
     share, found = 1.0, None
     for _ in range(SHARE_LOOKS):
-        planned = sped_up_plan(
+        plan_with = functools.partial(
+            sped_up_plan,
             parameters,
             lag_m,
             lead_m=lead_mps * passed_s,
             separations_m=separations_m,
-            speed_ups=speed_ups_of(tick.air, lead_mps, tick.mission.corner_speed_up),
+            speeds=tick.corner_speeds(lead_mps),
             path_efficiency=state.efficiency.share * share,
             turn_rad=abs(tick.situation.turn_rad),
             aim_m=tick.aim_m,
         )
+        planned = None if tick.turns.is_sure else plan_with(least_share=UNSURE_SHARE)
+        if planned is None or abs(planned[0].next_lag_m - tick.aim_m) > CONVERGED_M:
+            planned = plan_with()
         if planned is None:
             break
         plan, speed_up = planned
@@ -142,7 +150,7 @@ def _from_anywhere(
     estimate: CornerEstimate, frame: CornerFrame, first_stop: Pose, state: State, tick: Tick
 ) -> Decision:
     """Go straight for the slot of the new leg, from wherever the UAV is."""
-    begun = start_rejoining(state, tick)
+    begun = start_rejoining(state, tick, state.efficiency.share)
     path, uav = begun.state.path, tick.situation.uav
     if begun.listing is None or path is None:
         return begun
@@ -160,7 +168,9 @@ def _from_anywhere(
     k = tick.situation.corners_seen
     active = ActiveCorner(k, estimate, frame, plan, first_stop, uav.speed_mps, committed=True)
     problem = begun.state.path_problem
-    state = replace(begun.state.on_path(path, tick, active), path_problem=problem)
+    state = begun.state.on_path(path, tick, active)
+    efficiency = state.efficiency.begun(tick.corner.speed_mps, is_known=tick.turns.is_sure)
+    state = replace(state, speed_up=1.0, path_problem=problem, efficiency=efficiency)
     return Decision(state, replace(begun.listing, mode=str(Rule.RJ)))
 
 
@@ -174,7 +184,7 @@ def commit_when_due(state: State, tick: Tick) -> State:
     )
     if not (overtaken or active.plan.turn_start_m - active.flown_m(tick.now_s) < margin_m + 1e-6):
         return state
-    efficiency = state.efficiency.begun(tick.corner.speed_mps)
+    efficiency = state.efficiency.begun(tick.corner.speed_mps, is_known=tick.turns.is_sure)
     if active.plan.rule in OUTSIDE:  # flown slowly on purpose: nothing is learnt of it
         efficiency = state.efficiency.cancelled()
     return replace(state, corner=replace(active, committed=True), efficiency=efficiency)
@@ -186,15 +196,19 @@ def path_speed_mps(
     lag_m: float,
     *,
     helicopter_mps: float,
-    speed_up: float,
+    planned_share: float | None,
     share: float,
 ) -> float:
     """Return the speed for a path that leaves a lag, at a helicopter's speed.
 
-    ``speed_up``: of the path, over that; ``share``: what of its speed the UAV makes good.
+    ``planned_share``: its speed over that, by plan; None for one that is flown as fast as it takes.
+    ``share``: what of its speed the UAV makes good.
     """
-    worth_m = lag_m if lag_m >= tick.mission.lag_tolerance_m else 0.0
-    most_mps = tick.speeds_beside_mps(helicopter_mps)[1]
     return catching_up_mps(
-        path_m, worth_m, helicopter_mps, speed_up=speed_up, share=share, most_mps=most_mps
+        path_m,
+        lag_m if lag_m >= tick.mission.lag_tolerance_m else 0.0,
+        helicopter_mps,
+        speed_up=1.0 if planned_share is None else planned_share,
+        share=share,
+        most_mps=tick.path_speeds_mps(planned_share, helicopter_mps)[1],
     )

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 from sar_planner.guidance.waypoint_lists import PathListing
 from sar_planner.paths.flight_path import FlightPath
+from sar_planner.paths.slot_intercept import row_of
 from sar_planner.prediction.separation import least_apart_m
-from sar_planner.rejoin.recapture import Recapture, row_of
+from sar_planner.rejoin.recapture import Recapture
 from sar_planner.rejoin.tracked_path import TrackedPath, final_lag_m, is_on_track
 from sar_planner.rules.corner_coverage import SweepAt
 from sar_planner.rules.paper_rules import Rule
@@ -47,7 +48,7 @@ def correct(state: State, tick: Tick, off_m: float, held_lag_m: float) -> Decisi
         frame.to_frame(old.frame.pose_to_map(begin)),
         now_s + tick.mission.reaction_s,
         tick.forecasts_in(frame),
-        tick.corner.turn_radius_m,
+        tick.turn_radius_m(state.planned_share),
         state.speed_up * speed_mps * state.share,
         tick.corner.separation_m,
         old.path.length_m - from_m + LONGER_SPACINGS * tick.corner.spacing_m,
@@ -71,7 +72,7 @@ def correct(state: State, tick: Tick, off_m: float, held_lag_m: float) -> Decisi
         path.length_m,
         lag_m,
         helicopter_mps=speed_mps,
-        speed_up=state.speed_up,
+        planned_share=state.planned_share,
         share=state.share,
     )
     state = replace(
@@ -110,7 +111,7 @@ def _widest(search: Recapture, state: State, tick: Tick) -> Decision:
     safe = kept_m >= tick.corner.separation_m
     if safe and is_on_track(old.end_in(frame)):
         return Decision(state)
-    plan = rejoin_plan(state, tick)
+    plan = rejoin_plan(state, tick, 1.0 if state.corner is None else state.efficiency.now)
     if plan is not None and plan.kept:
         return take(plan, state, tick)
     if safe:

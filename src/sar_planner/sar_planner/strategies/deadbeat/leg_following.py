@@ -24,7 +24,7 @@ def follow_leg(state: State, tick: Tick) -> Decision:
         return Decision(state)
     assert state.slot is not None
     speed_mps = trimmed_mps(
-        lag_m - state.lag_setpoint_m,
+        lag_m,
         expected.speed_mps,
         off_mps=mission.trim_follow * expected.faster_mps(tick.situation.helicopter),
         gain=mission.trim_gain,

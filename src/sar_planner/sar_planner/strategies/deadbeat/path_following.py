@@ -27,6 +27,7 @@ from sar_planner.strategies.deadbeat.state import (
 BESIDE_M = 3.0
 SETTLED_RAD = math.radians(20.0)
 LATE_FACTOR = 2.5
+FLOWN_FACTOR = 2.5  # of what is off its path, beside which it is not flown at all
 
 
 def follow_path(state: State, tick: Tick) -> Decision:
@@ -37,7 +38,13 @@ def follow_path(state: State, tick: Tick) -> Decision:
         return Decision(state)
     here = tick.uav_in(path.frame)
     path = path.followed(here, path.speed_mps * (now_s - state.followed_s))
-    efficiency = state.efficiency.watched(now_s, path.flown_m, tick.flown_mps(path.speed_mps))
+    there = path.path.pose_at(path.flown_m)
+    beside = here.x_m - there.x_m, here.y_m - there.y_m
+    off_m = math.hypot(*beside)
+    efficiency = state.efficiency.moved()  # one that flies elsewhere: its list was refused
+    if off_m < FLOWN_FACTOR * tick.mission.off_path_m:
+        speed_mps = tick.flown_mps(path.speed_mps)
+        efficiency = state.efficiency.watched(now_s, path.flown_m, speed_mps)
     share = tick.speed_share(path)
     state = replaced(state, path=path, followed_s=now_s, efficiency=efficiency, speed_share=share)
     rest = path.path.cut(min(path.flown_m, path.path.length_m))
@@ -48,11 +55,8 @@ def follow_path(state: State, tick: Tick) -> Decision:
     moved = tick.corner.turn_radius_m > state.planned_radius_m or path.misses(
         tick.slot_frame, rest.length_m, tick.mission.far_tolerance
     )
-    there = path.path.pose_at(path.flown_m)
-    beside = here.x_m - there.x_m, here.y_m - there.y_m
-    off_m = math.hypot(*beside)
     forecasts = tick.forecasts_in(path.frame)
-    slowest, fastest = tick.speeds_mps
+    slowest, fastest = tick.path_speeds_mps(state.planned_share, forecasts[0].speed_mps)
     if state.flies_outside:
         if tick.situation.phase in (Phase.DECELERATING, Phase.STOPPED):
             # Not before the nose of one that may go straight on: the leg makes up for it.

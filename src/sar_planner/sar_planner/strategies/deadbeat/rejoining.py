@@ -13,10 +13,13 @@ from sar_planner.strategies.active_corner import Mode
 from sar_planner.strategies.deadbeat.state import Decision, State, Tick
 
 
-def start_rejoining(state: State, tick: Tick) -> Decision:
-    """Lead the UAV from anywhere onto the slot, at a speed of its own."""
+def start_rejoining(state: State, tick: Tick, share: float = 1.0) -> Decision:
+    """Lead the UAV from anywhere onto the slot, at a speed of its own.
+
+    ``share``: what it makes good of its speed.
+    """
     state = replace(state, retry_s=tick.now_s + tick.mission.retry_s)
-    plan = rejoin_plan(state, tick)
+    plan = rejoin_plan(state, tick, share)
     if plan is None:
         return Decision(replace(state, problem="no path back to the slot"), goes_on=True)
     taken = take(plan, state, tick)
@@ -26,32 +29,36 @@ def start_rejoining(state: State, tick: Tick) -> Decision:
     return taken._replace(state=replace(taken.state, path_problem=problem))
 
 
-def rejoin_plan(state: State, tick: Tick) -> RejoinPlan | None:
-    """Return the way back: with the whole margin where there is one, else what keeps more apart."""
-    slowest, fastest = tick.speeds_mps
+def rejoin_plan(state: State, tick: Tick, share: float = 1.0) -> RejoinPlan | None:
+    """Return the way back: with the whole margin where there is one, else what keeps more apart.
+
+    ``share``: what the UAV makes good of its speed; the plan's speed is the one to ask for.
+    """
+    slowest, fastest = (share * one for one in tick.path_speeds_mps(None, tick.expected.speed_mps))
     wide, _, least = tick.separations_m
     task = RejoinTask(
         _ahead(state, tick, tick.slot_frame),
         tick.now_s + tick.mission.reaction_s,
         tick.forecasts_in(tick.slot_frame),
-        tick.corner.turn_radius_m,
+        tick.turn_radius_m(None),
         slowest,
         fastest,
         wide,
         is_shared=tick.situation.is_shared(tick.now_s),
     )
     plan = rejoin(task)
-    if plan is None or plan.kept:
-        return plan
-    narrow = rejoin(replace(task, separation_m=least))
-    return plan if narrow is None or narrow.closest_m < plan.closest_m else narrow
+    if plan is not None and not plan.kept:
+        narrow = rejoin(replace(task, separation_m=least))
+        if narrow is not None and narrow.closest_m >= plan.closest_m:
+            plan = narrow
+    return None if plan is None else replace(plan, speed_mps=plan.speed_mps / share)
 
 
 def take(plan: RejoinPlan, state: State, tick: Tick) -> Decision:
-    """Fly a way back from now on; of the corner that it ends nothing is learnt."""
+    """Fly a way back from now on; a corner's is flown as its path was."""
     start_s = tick.now_s + tick.mission.reaction_s
     path = TrackedPath(tick.slot_frame, plan.path, start_s, plan.speed_mps)
-    state = replace(state.on_path(path, tick), efficiency=state.efficiency.cancelled())
+    state = replace(state.on_path(path, tick), efficiency=state.efficiency.moved())
     listing = PathListing(str(Mode.REJOIN), path.frame.path_to_map(plan.path), path.speed_mps)
     return Decision(state, listing)
 

@@ -18,6 +18,7 @@ from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import CornerEstimate
 from sar_planner.guidance.flown_speed import FlownPath, airspeed_of, flown
 from sar_planner.guidance.path_efficiency import PathEfficiency
+from sar_planner.guidance.turn_radius import Turns
 from sar_planner.guidance.waypoint_lists import Listing
 from sar_planner.guidance.wind_triangle import AirEnvelope
 from sar_planner.parameters.corner import CornerParameters
@@ -26,7 +27,7 @@ from sar_planner.paths.flight_path import CornerFrame
 from sar_planner.prediction.forecast import Forecast
 from sar_planner.prediction.situation import Situation
 from sar_planner.rejoin.tracked_path import TrackedPath, is_on_track
-from sar_planner.rules.deadbeat_rules import DeadbeatRules, least_lag_m
+from sar_planner.rules.corner_speed import CornerSpeed, corner_speeds, lag_to_begin_with_m
 from sar_planner.rules.paper_rules import OUTSIDE, Rule
 from sar_planner.strategies.active_corner import ActiveCorner, Mode
 
@@ -36,6 +37,8 @@ ENDS_SOON_S = 40.0  # a leg, before which a UAV that is ahead would not be back 
 OUTSIDE_SLOWER = 0.3  # share of V by which a UAV flies slower about the outside of a corner
 TURNED_FASTER = 0.2  # share of V, by which it flies faster at most where it turns there
 CROSSING_SLOWER = 0.3  # share of V by which a UAV flies slower on a cross leg
+UNSURE_SPACINGS = 0.16  # planned beyond the least separation before it was seen how a UAV turns
+LATER_S = 1.0  # a lag for corners is one for those, too, that are seen later than as a rule
 WATCH_S = 0.39  # between two looks: two decisions at 5 Hz, whatever their times round to
 
 NEEDS = {
@@ -96,9 +99,14 @@ class State:
 
     @property
     def share(self) -> float:
-        """What is made good of the path's speed; rejoining, all that the wind lets it."""
+        """What is made good of the path's speed; off corners all that the wind lets it."""
+        return self.speed_share * (1.0 if self.corner is None else self.efficiency.now)
+
+    @property
+    def planned_share(self) -> float | None:
+        """The speed over V that a rule's path is planned with; None where none is flown."""
         by_rule = self.corner is not None and self.corner.plan.rule is not Rule.RJ
-        return self.speed_share * (self.efficiency.now if by_rule else 1.0)
+        return self.speed_up if by_rule else None
 
     @property
     def flies_outside(self) -> bool:
@@ -108,7 +116,17 @@ class State:
     def without_path(self, mode: Mode) -> State:
         """Return the state in a mode that flies no path; a corner that was flown is done."""
         done = self.done_corner if self.corner is None else self.corner.k
-        return replaced(self, mode=mode, corner=None, path=None, done_corner=done)
+        begun = self.corner is not None and self.corner.committed
+        efficiency = self.efficiency.learnt() if begun else self.efficiency.cancelled()
+        return replaced(
+            self,
+            mode=mode,
+            corner=None,
+            path=None,
+            speed_up=1.0,
+            done_corner=done,
+            efficiency=efficiency,
+        )
 
     def on_path(self, path: TrackedPath, tick: Tick, corner: ActiveCorner | None = None) -> State:
         """Return the state with another path from now on.
@@ -130,12 +148,10 @@ class State:
 
     def left(self, tick: Tick) -> State:
         """Return the state once a path is flown, or no longer wanted: on the leg."""
-        leg = replaced(self.without_path(Mode.LEG), speed_up=1.0, path_problem="")
+        leg = replaced(self.without_path(Mode.LEG), path_problem="")
         if self.corner is None or not self.corner.committed:
             return leg
-        efficiency = self.efficiency.learnt()
-        lag_m = tick.lag_setpoint_m(efficiency.share)
-        return replaced(leg, efficiency=efficiency, lag_setpoint_m=lag_m)
+        return replaced(leg, lag_setpoint_m=tick.lag_setpoint_m(leg.efficiency.share))
 
 
 @dataclass(frozen=True)
@@ -145,7 +161,8 @@ class Tick:
     ``forecasts``: the motion that is expected of the helicopter, then others that must be kept
     apart from too; none while its leg is not known. The slot of the first is ``aim_m`` [m] behind:
     what is wanted of the lag for what the wind does along the leg. ``corner``: with the radius that
-    was learnt.
+    was learnt; ``turns``: what is believed of it. ``wary_m``: what of ``aim_m`` is for that nobody
+    knows it yet: on a leg no reason to lead the UAV back.
     """
 
     now_s: float
@@ -154,7 +171,9 @@ class Tick:
     corner: CornerParameters
     mission: MissionParameters
     air: AirEnvelope
+    turns: Turns
     aim_m: float = 0.0
+    wary_m: float = 0.0
 
     @property
     def expected(self) -> Forecast:
@@ -175,12 +194,11 @@ class Tick:
     def separations_m(self) -> tuple[float, float, float]:
         """The separations to plan with, the most wanted one first."""
         least = self.corner.separation_m
-        return least + self.margin_m, least + MARGIN_SHARE * self.margin_m, least
-
-    @property
-    def speeds_mps(self) -> tuple[float, float]:
-        """The slowest and the fastest ground speed of a path."""
-        return self.speeds_beside_mps(self.expected.speed_mps)
+        wanted = least + self.margin_m, least + MARGIN_SHARE * self.margin_m, least
+        if self.turns.is_sure:
+            return wanted
+        # Nobody knows how wide it turns, or how much it makes good meanwhile.
+        return least + UNSURE_SPACINGS * self.corner.spacing_m, *wanted[1:]
 
     @property
     def faster(self) -> float:
@@ -217,14 +235,30 @@ class Tick:
         heading, speed_mps = self.expected.leg.heading_rad, self.expected.speed_mps
         ends_soon = self.situation.left_m(heading) < ENDS_SOON_S * speed_mps
         if not self.situation.progress.stays_outside(heading):
-            return self.mission.ahead_m
+            return self.mission.ahead_m + self.wary_m
         if ends_soon:
             return self.corner.spacing_m
         return max(self.mission.ahead_m, self.aim_m)
 
-    def speeds_beside_mps(self, helicopter_mps: float) -> tuple[float, float]:
-        """Return the slowest and the fastest ground speed beside a helicopter of a speed."""
-        return self.air.speeds_mps(helicopter_mps, self.mission.speed_trim, self.faster)
+    def turn_radius_m(self, planned_share: float | None) -> float:
+        """Return the radius [m] of turns of a path: at its speed over V, None for the fastest."""
+        if planned_share is None:
+            v_mps = self.expected.speed_mps
+            planned_share = self.path_speeds_mps(None, v_mps)[1] / v_mps
+        return self.turns.at_m(planned_share)
+
+    def path_speeds_mps(
+        self, planned_share: float | None, helicopter_mps: float
+    ) -> tuple[float, float]:
+        """Return the slowest and the fastest ground speed of a path beside a helicopter.
+
+        ``planned_share``: its speed over that of the helicopter, by plan: a UAV that turns wide, or
+        may, flies it no faster, or it would leave it. None for a path of any speed.
+        """
+        slowest, fastest = self.air.speeds_mps(helicopter_mps, self.mission.speed_trim, self.faster)
+        if planned_share is not None and (self.turns.is_wide or not self.turns.is_sure):
+            fastest = min(fastest, planned_share * helicopter_mps)
+        return min(slowest, fastest), fastest
 
     def forecasts_in(self, frame: CornerFrame) -> tuple[Forecast, ...]:
         """Return all forecasts in a frame."""
@@ -271,14 +305,24 @@ class Tick:
     def lag_setpoint_m(self, share: float) -> float:
         """Return the lag [m] for legs of a UAV that makes a share of its speed good at corners.
 
-        0 where that is most of it; where not, a corner that is seen late cannot be flown without.
+        0 where that is most of it and it turns as it should; where not, a corner that is seen late
+        cannot be flown without, or leaves much out.
         """
-        if share >= self.mission.low_efficiency:
+        if share >= self.mission.low_efficiency and not self.turns.is_wide:
             return 0.0
-        lead_m = self.corner.speed_mps * (self.mission.detection_s + self.mission.reaction_s)
-        turn_rad = abs(self.situation.turn_rad)
-        rules = DeadbeatRules(self.corner, path_efficiency=share, turn_rad=turn_rad)
-        return least_lag_m(rules, lead_m=lead_m, separation_m=self.corner.separation_m)
+        return lag_to_begin_with_m(
+            self.corner,
+            self.corner_speeds(self.corner.speed_mps),
+            lead_m=self.corner.speed_mps
+            * (self.mission.detection_s + self.mission.reaction_s + LATER_S),
+            separation_m=self.corner.separation_m,
+            path_efficiency=share,
+            turn_rad=abs(self.situation.turn_rad),
+        )
+
+    def corner_speeds(self, helicopter_mps: float) -> tuple[CornerSpeed, ...]:
+        """Return the speeds a corner is planned with, beside a helicopter of a speed [m/s]."""
+        return corner_speeds(self.air, helicopter_mps, self.mission.corner_speed_up, self.turns)
 
     def on_slot(self) -> bool:
         """Whether the UAV is about on the slot track."""

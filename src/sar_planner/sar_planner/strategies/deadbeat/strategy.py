@@ -14,12 +14,13 @@ from sar_estimator.common.frozen import replaced
 from sar_estimator.common.states import LegEstimate, Phase
 from sar_planner.guidance.leg_lag import drift_m
 from sar_planner.guidance.path_efficiency import PathEfficiency
+from sar_planner.guidance.turn_radius import Turns
 from sar_planner.guidance.waypoint_lists import Listed
 from sar_planner.guidance.wind_triangle import AirEnvelope
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.prediction.situation import Situation
-from sar_planner.strategies.active_corner import Mode
+from sar_planner.strategies.active_corner import ActiveCorner, Mode
 from sar_planner.strategies.deadbeat.corner_planning import commit_when_due, plan_corner
 from sar_planner.strategies.deadbeat.leg_following import follow_leg, hold, unfit_speed
 from sar_planner.strategies.deadbeat.path_following import follow_path
@@ -34,6 +35,8 @@ from sar_planner.strategies.strategy import Strategy, StrategyReport
 
 MOST_AIM_SPACINGS = 1.2
 """The most lag that is aimed at for the wind's sake, either way: a corner is flown from there."""
+WARY_SPACINGS = 0.5
+"""The lag left by a UAV's first corner: who turns wider than is known is not abeam then."""
 
 
 class DeadbeatStrategy(Strategy):
@@ -68,7 +71,7 @@ class DeadbeatStrategy(Strategy):
             course_rad=self._course_rad,
             problem="; ".join(note for note in notes if note),
             efficiency=state.efficiency.share,
-            lag_setpoint_m=state.lag_setpoint_m + state.aim_m,
+            lag_setpoint_m=state.aim_m,
             corrections=state.corrections,
         )
 
@@ -118,10 +121,11 @@ class DeadbeatStrategy(Strategy):
         state = self.state
         if self._s.phase is Phase.CRUISE and state.led_s <= now_s < state.led_s + WATCH_S:
             return None  # it keeps its place on a leg, looked at a moment ago: what was said stands
-        if self._learn_radius(on_path=state.path is not None):
+        if self._learn_radius(None if state.path is None else state.path.path):
             # What wide turns cost in this corner is no bias of the next.
             state = replaced(state, efficiency=state.efficiency.cancelled())
-        tick = tick_at(now_s, self._s, self._corner, self._mission, self.lists.air)
+        air, turns = self.lists.air, self._believed_turns
+        tick = tick_at(now_s, self._s, self._corner, self._mission, air, turns, state)
         if tick.forecasts:
             self.lists.side = tick.slot_frame.turn_side
         decision = decide(state, tick)
@@ -138,18 +142,37 @@ def tick_at(
     corner: CornerParameters,
     mission: MissionParameters,
     air: AirEnvelope,
+    turns: Turns,
+    state: State,
 ) -> Tick:
-    """Return what a decision is taken from: with the lag that the wind asks for."""
+    """Return what a decision is taken from: with the lag that the wind and the UAV ask for."""
     forecasts = situation.forecasts(now_s)
     if not forecasts:
-        return Tick(now_s, situation, forecasts, corner, mission, air)
+        return Tick(now_s, situation, forecasts, corner, mission, air, turns)
     expected, *others = forecasts
     heading, speed = expected.leg.heading_rad, expected.speed_mps
     most_m = MOST_AIM_SPACINGS * corner.spacing_m
-    aim_m = drift_m(air, heading, speed, situation.left_m(heading))
-    aim_m = min(max(aim_m, -most_m), most_m)
+    aim_m = state.lag_setpoint_m + drift_m(air, heading, speed, situation.left_m(heading))
+    wary_m = _wary_m(situation, corner, turns, state.corner, heading)
+    aim_m = min(max(aim_m + wary_m, -most_m), most_m)
     forecasts = (expected.behind(aim_m), *others)
-    return Tick(now_s, situation, forecasts, corner, mission, air, aim_m)
+    return Tick(now_s, situation, forecasts, corner, mission, air, turns, aim_m, wary_m)
+
+
+def _wary_m(
+    situation: Situation,
+    corner: CornerParameters,
+    turns: Turns,
+    flown: ActiveCorner | None,
+    heading_rad: float,
+) -> float:
+    """Return the lag [m] that the first corner is to leave, of a UAV not seen in a turn yet."""
+    if situation.went_on or situation.progress.stays_outside(heading_rad):
+        return 0.0
+    wary = not turns.is_sure and situation.phase is not Phase.CRUISE
+    if flown is not None:
+        wary = flown.unsure
+    return WARY_SPACINGS * corner.spacing_m if wary else 0.0
 
 
 def decide(state: State, tick: Tick) -> Decision:
