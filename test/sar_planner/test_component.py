@@ -57,7 +57,7 @@ def test_engaged_it_decides_at_once_and_tells_a_speed_when_it_changes():
     assert of(answer.outputs, topics.WAYPOINTS)[0].mode == "leg"
     assert of(answer.outputs, topics.SPEED) == [pytest.approx(20.0, abs=1.0)]
     assert of(component.tick(100.5), topics.SPEED) == []
-    late = HelicopterReport(Motion(101.0, 60.0, 0.0, 20.0, 0.0), 1.0, 0.1)
+    late = HelicopterReport(Motion(101.0, 50.0, 0.0, 20.0, 0.0), 1.0, 0.1)
     component.handle(topics.HELICOPTER_ODOMETRY, late, 101.0)
     assert of(component.tick(101.0), topics.SPEED)[0] > 20.0
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from sar_planner.guidance.turn_radius import Turns
 from sar_planner.guidance.waypoint_lists import HoldListing, PathListing, SlotListing
 from sar_planner.strategies.active_corner import Mode
 from sar_planner.strategies.deadbeat.leg_following import follow_leg, hold, unfit_speed
@@ -28,6 +29,15 @@ def test_a_lag_that_is_aimed_at_is_kept(tick_at, state):
     late = replace(tick, forecasts=(expected.behind(100.0), *others), aim_m=100.0)
     assert follow_leg(state, late).state.speed_mps == pytest.approx(20.0)
     assert follow_leg(state, tick).state.speed_mps == pytest.approx(22.0)
+
+
+@pytest.mark.parametrize(("lag", "kept"), [(0.0, 0.0), (30.0, 0.0), (50.0, 225.0), (300.0, 225.0)])
+def test_one_that_is_behind_stays_there_until_it_was_seen_to_turn(tick_at, state, lag, kept):
+    tick = replace(tick_at(x=-lag), turns=Turns(100.0, is_sure=False))
+    asked = follow_leg(state, tick).state.speed_mps
+    assert asked == pytest.approx(min(max(20.0 + 0.15 * (lag - kept), 18.0), 22.0))
+    straight_on = replace(tick, mission=replace(tick.mission, pattern="track_line"))
+    assert follow_leg(state, straight_on).state.speed_mps == min(20.0 + 0.15 * lag, 22.0)
 
 
 def test_nobody_is_led_back_for_what_a_first_corner_would_leave(tick_at, state):

@@ -5,10 +5,13 @@ from __future__ import annotations
 from sar_estimator.common.frozen import replaced
 from sar_planner.guidance.speed_control import trimmed_mps
 from sar_planner.guidance.waypoint_lists import HoldListing, SlotListing
+from sar_planner.patterns.legs import CORNERS
 from sar_planner.rejoin.tracked_path import is_on_track
 from sar_planner.strategies.active_corner import Mode
 from sar_planner.strategies.deadbeat.rejoining import start_rejoining
 from sar_planner.strategies.deadbeat.state import Decision, State, Tick
+
+BEHIND_SPACINGS, KEPT_SPACINGS = 0.15, 0.9
 
 
 def follow_leg(state: State, tick: Tick) -> Decision:
@@ -24,7 +27,7 @@ def follow_leg(state: State, tick: Tick) -> Decision:
         return Decision(state)
     assert state.slot is not None
     speed_mps = trimmed_mps(
-        lag_m,
+        lag_m - _kept_lag_m(lag_m, tick),
         expected.speed_mps,
         off_mps=mission.trim_follow * expected.faster_mps(tick.situation.helicopter),
         gain=mission.trim_gain,
@@ -35,6 +38,19 @@ def follow_leg(state: State, tick: Tick) -> Decision:
         replaced(state, speed_mps=speed_mps, led_s=tick.now_s),
         SlotListing(str(Mode.LEG), state.slot),
     )
+
+
+def _kept_lag_m(lag_m: float, tick: Tick) -> float:
+    """Return the lag that is kept [m] of a UAV that was not seen in a turn yet, and is behind.
+
+    Were it slow in its first corner, no path would be safe from there on to beside the helicopter.
+    """
+    outside = tick.situation.progress.stays_outside(tick.expected.leg.heading_rad)
+    straight_on = CORNERS.get(tick.mission.pattern, 1) == 0
+    near = lag_m < BEHIND_SPACINGS * tick.corner.spacing_m
+    if tick.turns.is_sure or outside or straight_on or near:
+        return 0.0
+    return KEPT_SPACINGS * tick.corner.spacing_m
 
 
 def unfit_speed(tick: Tick) -> str:
