@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +12,7 @@ from sar_planner.guidance.wind_triangle import AirEnvelope
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.prediction.separation import corner_forecast
+from sar_planner.rules.deadbeat_paths import slot_frame
 from sar_planner.rules.deadbeat_rules import DeadbeatRules
 from sar_planner.rules.paper_rules import CornerPlan
 
@@ -71,15 +71,14 @@ def planned_in_wind(
 
 def described(plan: CornerPlan, found: FlownPath, wind: CornerWind) -> str:
     """Return in lines how a plan is flown in the wind."""
-    v_mps = plan.parameters.speed_mps
     ground_mps = np.diff(found.along_m) / np.diff(found.times_s)
-    gaps = found.points_m - corner_forecast(plan.parameters).positions(found.times_s)
-    late_m = v_mps * (float(found.times_s[-1]) - plan.path.length_m / v_mps)
-    next_lag_m = plan.path.length_m + plan.path.end.y_m - 3.0 * plan.parameters.stopping_m + late_m
+    forecast, frame = corner_forecast(plan.parameters), slot_frame(plan.parameters)
+    slot_x_m = forecast.in_frame(frame).slot_x_m(float(found.times_s[-1]))
+    next_lag_m = slot_x_m - frame.to_frame(plan.path.end).x_m
     return (
         f"{wind}\n"
         f"ground speed      {ground_mps.min():.1f} to {ground_mps.max():.1f} m/s,"
         f" {100.0 * found.share:.0f} % of V made good\n"
         f"L(k+1), flown     {next_lag_m:.1f} m\n"
-        f"closest, flown    {math.sqrt(float((gaps**2).sum(axis=1).min())):.1f} m\n"
+        f"closest, flown    {found.apart_m(forecast, 0.0):.1f} m\n"
     )

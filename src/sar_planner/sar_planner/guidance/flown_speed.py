@@ -16,6 +16,7 @@ from sar_estimator.common.compiled import compiled
 from sar_estimator.common.states import Motion
 from sar_planner.guidance.wind_triangle import AirEnvelope
 from sar_planner.paths.flight_path import FlightPath, FloatArray
+from sar_planner.prediction.forecast import Forecast
 
 ACCEL_MPS2 = 1.0
 """With which a small aeroplane changes its airspeed under ArduPlane's TECS, about."""
@@ -111,6 +112,11 @@ class FlownPath:
     def points_m(self) -> FloatArray:
         """Where it is at these times, shape (n, 2)."""
         return self.path.points(self.along_m)
+
+    def apart_m(self, forecast: Forecast, now_s: float) -> float:
+        """Return the least distance [m] to the helicopter of a forecast at these times."""
+        gaps = self.points_m - forecast.positions(now_s + self.times_s)
+        return float(np.hypot(*gaps.T).min())
 
 
 def flown(

@@ -111,7 +111,7 @@ def _widest(search: Recapture, state: State, tick: Tick) -> Decision:
     safe = kept_m >= tick.corner.separation_m
     if safe and is_on_track(old.end_in(frame)):
         return Decision(state)
-    plan = rejoin_plan(state, tick, 1.0 if state.corner is None else state.efficiency.now)
+    plan = rejoin_plan(state, tick, state.made_good)
     if plan is not None and plan.kept:
         return take(plan, state, tick)
     if safe:

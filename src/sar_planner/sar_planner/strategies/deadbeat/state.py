@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-import numpy as np
-
 from sar_estimator.common.frozen import replaced
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import CornerEstimate
@@ -100,7 +98,12 @@ class State:
     @property
     def share(self) -> float:
         """What is made good of the path's speed; off corners all that the wind lets it."""
-        return self.speed_share * (1.0 if self.corner is None else self.efficiency.now)
+        return self.speed_share * self.made_good
+
+    @property
+    def made_good(self) -> float:
+        """What an autopilot makes good of its speed on the path, whatever the wind."""
+        return 1.0 if self.corner is None else self.efficiency.now
 
     @property
     def planned_share(self) -> float | None:
@@ -285,9 +288,7 @@ class Tick:
 
     def apart_m(self, path: FlownPath) -> float:
         """Return the least distance [m] on the rest of a path as the wind lets the UAV fly it."""
-        times_s = self.now_s + path.times_s
-        gaps = (path.points_m - one.positions(times_s) for one in self.forecasts)
-        return min(float(np.hypot(*gap.T).min()) for gap in gaps)
+        return min(path.apart_m(one, self.now_s) for one in self.forecasts)
 
     def flown(self, path: TrackedPath) -> FlownPath:
         """Return how the UAV will fly the rest of a path, by the wind and its airspeeds."""
