@@ -39,10 +39,19 @@ def test_another_path_begins_its_own_count():
     assert one.learnt().share == pytest.approx(1.0)
 
 
+def test_what_was_flown_before_is_forgotten_and_the_rest_of_the_corner_learnt():
+    one = fly_corner(PathEfficiency(1.0), 0.5).restarted()
+    for second in range(60):
+        one = one.watched(float(second), 16.0 * second, 20.0)
+    assert one.learnt().share == pytest.approx(0.8)
+    assert fly_corner(PathEfficiency(1.0), 0.5).restarted().learnt().share == 1.0
+
+
 def test_what_is_not_watched_changes_nothing():
     one = PathEfficiency(0.5, 0.9)
     assert one.watched(1.0, 20.0, 20.0) is one
     assert one.moved() is one
+    assert one.restarted() is one
     assert one.learnt() == one
 
 

@@ -105,6 +105,15 @@ def test_slower_it_turns_tighter_as_its_bank_is_what_limits_it():
     assert Turns(100.0).at_m(0.8) == 100.0
 
 
+def test_one_that_makes_good_little_of_its_speed_is_not_slow():
+    """It banks for all of its speed: what it flies at V is what is seen."""
+    turns = TurnRadius(100.0, 250.0, SPEED_MPS)
+    for motion in flown([(math.pi, 130.0)], speed_mps=0.6 * SPEED_MPS):
+        told = motion._replace(vx_mps=motion.vx_mps / 0.6, vy_mps=motion.vy_mps / 0.6)
+        turns.watch(told, 100.0)
+    assert turns.believed.radius_m == pytest.approx(1.1 * 130.0, rel=0.03)
+
+
 def test_until_it_is_seen_not_to():
     turns, _ = learnt([(math.pi, 140.0)])
     radius, tighter = turns.believed.radius_m, turns.believed.at_m(0.8)

@@ -87,6 +87,13 @@ class PathEfficiency:
             self if self.corner is None else replace(self, corner=replace(self.corner, last=None))
         )
 
+    def restarted(self) -> PathEfficiency:
+        """Forget what was flown of the present corner's path: the rest of it is watched."""
+        one = self.corner
+        if one is None:
+            return self
+        return replace(self, corner=replace(one, flown_m=0.0, expected_m=0.0, last=None))
+
     def cancelled(self) -> PathEfficiency:
         """Learn nothing of a path that was given up."""
         return replace(self, corner=None)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from sar_estimator.common.pose import wrap_angle
 from sar_estimator.common.states import Motion
@@ -46,13 +47,17 @@ class Turns:
         return self.radius_m * (speed_share**2 if self.is_wide and self.by_bank else 1.0)
 
 
-@dataclass(frozen=True, slots=True)
-class _Sample:
-    """A time [s] in a turn: turned [rad] and flown [m] since it began."""
+class _Sample(NamedTuple):
+    """A time [s] in a turn: turned [rad], flown [m] and to be flown by its speed since it began."""
 
     time_s: float
     turned_rad: float
     flown_m: float
+    by_speed_m: float
+
+    def plus(self, part: _Sample) -> _Sample:
+        """Return what it is after another part of the turn."""
+        return _Sample(*(mine + one for mine, one in zip(self, part, strict=True)))
 
 
 class TurnRadius:
@@ -98,18 +103,17 @@ class TurnRadius:
             self._end_turn()
             return False
         self._side = turned
-        return self._turned(since, abs(turned), flown, told_m)
+        by_speed_m = 0.5 * (last.speed_mps + motion.speed_mps) * since
+        return self._turned(_Sample(since, abs(turned), flown, by_speed_m), told_m)
 
     def _end_turn(self) -> None:
         self._side, self._held = 0.0, None
         self._turn.clear()
 
-    def _turned(self, since_s: float, turned_rad: float, flown_m: float, told_m: float) -> bool:
+    def _turned(self, part: _Sample, told_m: float) -> bool:
         """Take a part of a turn. Sure of what is held is one after more than a quarter circle."""
-        before = self._turn[-1] if self._turn else _Sample(0.0, 0.0, 0.0)
-        now = _Sample(
-            before.time_s + since_s, before.turned_rad + turned_rad, before.flown_m + flown_m
-        )
+        before = self._turn[-1] if self._turn else _Sample(0.0, 0.0, 0.0, 0.0)
+        now = before.plus(part)
         self._turn.append(now)
         while len(self._turn) > 1 and now.turned_rad - self._turn[1].turned_rad >= HELD_RAD:
             self._turn.popleft()
@@ -120,7 +124,8 @@ class TurnRadius:
             held_m, over_s = (now.flown_m - first.flown_m) / arc, now.time_s - first.time_s
             tightens = self._held is None or held_m < STEADY * self._held[0]
             if self._held is None or held_m < self._held[0]:
-                self._held = held_m, (now.flown_m - first.flown_m) / over_s / self._speed_mps
+                # By its speed: one that oscillates makes good less, and banks for all of it.
+                self._held = held_m, (now.by_speed_m - first.by_speed_m) / over_s / self._speed_mps
         sure_rad = SURE_RAD if self.believed.is_sure or tightens else FIRST_RAD
         if now.turned_rad < sure_rad or self._held is None:
             return False

@@ -122,8 +122,8 @@ class DeadbeatStrategy(Strategy):
         if self._s.phase is Phase.CRUISE and state.led_s <= now_s < state.led_s + WATCH_S:
             return None  # it keeps its place on a leg, looked at a moment ago: what was said stands
         if self._learn_radius(None if state.path is None else state.path.path):
-            # What wide turns cost in this corner is no bias of the next.
-            state = replaced(state, efficiency=state.efficiency.cancelled())
+            # What wide turns have cost until now is no bias of the next corner.
+            state = replaced(state, efficiency=state.efficiency.restarted())
         air, turns = self.lists.air, self._believed_turns
         tick = tick_at(now_s, self._s, self._corner, self._mission, air, turns, state)
         if tick.forecasts:
