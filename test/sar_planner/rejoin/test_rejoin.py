@@ -1,6 +1,7 @@
 """Rejoining from any pose: the slot is met in time, apart from the helicopter."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from sar_planner.paths.slot_intercept import InterceptProblem, PathBatch, turn_t
 from sar_planner.prediction.forecast import cornering, cruising, departing
 from sar_planner.prediction.separation import closest_over_time
 from sar_planner.rejoin import rejoin as rejoining
-from sar_planner.rejoin.rejoin import RejoinTask, _Found, _Search, rejoin
+from sar_planner.rejoin.rejoin import RejoinTask, _Found, _Search, onto_track, rejoin
 from sar_sim.trials.rejoin_bound.bound import unhindered_s
 
 LEG = Pose(0.0, 250.0, 0.0)
@@ -138,3 +139,28 @@ def test_a_way_that_hugs_the_moving_disc_is_looked_for():
     plan = rejoin(RejoinTask(start, 0.0, (corner,), 100.0, 18.0, 22.0, 205.0))
     assert plan.kept
     assert plan.duration_s < 160.0
+
+
+@pytest.mark.parametrize("name", sorted(FORECASTS))
+@pytest.mark.parametrize("start", [Pose(-900.0, -400.0, 2.0), Pose(-1500.0, 300.0, -1.0)])
+def test_one_that_is_too_slow_is_led_onto_the_track_behind_the_slot(start, name):
+    slow = replace(task(start, name), slowest_mps=15.0, fastest_mps=17.0)
+    assert rejoin(slow) is None
+    plan = onto_track(slow)
+    assert plan.kept
+    assert plan.speed_mps == 17.0
+    end = plan.path.end
+    assert (end.y_m, math.cos(end.heading_rad)) == pytest.approx((0.0, 1.0), abs=1e-6)
+    forecast = FORECASTS[name]
+    lag_m = forecast.leg.x_m + forecast.along_m(plan.duration_s) - end.x_m
+    least_m = math.hypot(start.x_m, start.y_m) - 17.0 * 20.0
+    assert 0.0 < lag_m < least_m + 1500.0
+    nearest = closest_over_time(plan.path, forecast, start_s=0.0, speed_mps=17.0)
+    assert nearest.distance_m >= 200.0 - 1e-6
+
+
+def test_onto_the_track_where_the_helicopter_is_near_keeps_what_it_can():
+    slow = replace(task(Pose(-150.0, 250.0, 0.0)), slowest_mps=15.0, fastest_mps=17.0)
+    plan = onto_track(slow)
+    assert not plan.kept
+    assert plan.closest_m < 200.0

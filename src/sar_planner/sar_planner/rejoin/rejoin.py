@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sar_estimator.common.pose import Pose
-from sar_planner.paths.dubins import lengths_m, words
+from sar_planner.paths.dubins import WORDS, lengths_m, words
 from sar_planner.paths.flight_path import FlightPath, FloatArray
 from sar_planner.paths.intercept_kernels import soonest_intercept
 from sar_planner.paths.slot_intercept import InterceptProblem, PathBatch, radii_m, turn_to
@@ -36,6 +36,7 @@ CHUNK = 64
 TRIED = 640
 FARTHEST = 200
 SLACK_S = 60.0
+TRACK_RADII, TRACK_STEP = 12.0, 0.5
 LOOKED_AGAIN = (0.1, 0.2, 0.35, 0.5, 0.6, 0.7, 0.8)
 COSTLY_SHARE = 1.15
 SOON_ENOUGH = 1.03
@@ -350,6 +351,29 @@ def rejoin(task: RejoinTask) -> RejoinPlan | None:
         if on_grid is not plan:
             plan = _looked_again(task, on_grid)
     return plan
+
+
+def onto_track(task: RejoinTask) -> RejoinPlan | None:
+    """Return the path onto the slot's track, flown at the fastest, that ends least behind it.
+
+    Of those that keep the separation, else what keeps the most; None where there is none. For a
+    UAV that cannot meet the slot before the leg ends, or is too slow on it in the wind.
+    """
+    radius_m, v = task.turn_radius_m, task.forecast.speed_mps
+    reach_m = abs(task.start.y_m) + TRACK_RADII * radius_m
+    ends = task.start.x_m + np.arange(-reach_m, reach_m, TRACK_STEP * radius_m)
+    targets = np.column_stack((ends, np.zeros_like(ends), np.zeros_like(ends)))
+    rows = words(task.start, targets, radius_m).reshape(-1, LAST_TURN + 1)
+    lags = v * lengths_m(rows, radius_m) / task.fastest_mps - np.tile(ends, len(WORDS))
+    order = np.argsort(lags)[: np.count_nonzero(np.isfinite(lags))]
+    search = _Search(task)
+    found = _Found(rows[order], np.full(len(order), task.fastest_mps))
+    apart = search.distances_m(found)
+    if len(apart) == 0:
+        return None
+    kept = np.flatnonzero(apart >= task.separation_m)
+    best = int(kept[0]) if kept.size else int(np.argmax(apart))
+    return search.plan(found.rows[best], task.fastest_mps, kept=bool(kept.size))
 
 
 def _on_grids(task: RejoinTask, plan: RejoinPlan) -> RejoinPlan:

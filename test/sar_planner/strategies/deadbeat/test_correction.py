@@ -61,3 +61,17 @@ def test_a_new_path_that_is_much_worse_is_not_taken(tick_at, state, corner):
     decision = correct(begun, late, 0.0, -250.0)
     assert decision.listing is None
     assert decision.state.corrections == begun.corrections
+
+
+@pytest.mark.parametrize("gone_m", [600.0, 1500.0, 4000.0])
+def test_a_uav_that_flew_on_as_its_list_was_refused_is_led_back(tick_at, state, corner, gone_m):
+    """What is left of a path that it does not fly says nothing of it, however short or safe."""
+    found = replace(in_corner(tick_at, state, corner), is_lost=True)
+    begun, tick = at(tick_at, found, 106.0, corner)
+    away = tick_at(106.0, x=tick.situation.uav.x_m + gone_m, corner=corner)
+    decision = correct(begun, away, gone_m, math.inf)
+    path = decision.listing.path
+    assert math.dist((path.start.x_m, path.start.y_m), (away.situation.uav.x_m, -250.0)) < 60.0
+    end = away.slot_frame.path_from_map(path).end
+    assert (end.y_m, end.heading_rad) == pytest.approx((0.0, 0.0), abs=1e-3)
+    assert not decision.state.is_lost

@@ -59,3 +59,16 @@ def test_one_that_turns_wide_is_led_by_wider_turns(tick_at, state):
     wide = replace(tick_at(y=-700.0), turns=Turns(150.0, is_wide=True))
     widest = start_rejoining(state, wide).state.path.path.widest_m
     assert widest == pytest.approx(150.0 * 1.1**2)
+
+
+@pytest.mark.parametrize("x", [-1200.0, -600.0])
+def test_one_that_would_take_minutes_is_led_onto_the_track_first(tick_at, state, x):
+    """With 22 m/s behind 20 the slot is met after 120 s for every 240 m; the leg makes up."""
+    tick = tick_at(x=x, y=-700.0)
+    plan = rejoin_plan(state, tick)
+    assert plan.kept
+    assert plan.duration_s < 90.0
+    end = plan.path.end
+    assert (end.y_m, end.heading_rad) == pytest.approx((0.0, 0.0), abs=1e-3)
+    slot_x_m = tick.forecasts_in(tick.slot_frame)[0].slot_x_m(100.0 + plan.duration_s)
+    assert end.x_m < slot_x_m - 100.0

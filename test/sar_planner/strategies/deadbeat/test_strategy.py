@@ -143,6 +143,23 @@ def test_on_its_way_over_to_a_corrected_path_the_uav_may_be_beside_it():
     assert corrected == pytest.approx([MissionParameters().settling_s], abs=0.15)
 
 
+def test_a_speed_is_for_the_course_on_which_the_uav_will_really_be():
+    """One that stands in the wind would never get to where less is needed."""
+    plan = at_a_corner()
+    plan.update(104.0)
+    path = plan.active.path
+    turn_m = plan.active.plan.turn_start_m
+    for speed, ahead_m in ((20.0, 70.0), (0.5, 1.75)):
+        pose = path.pose_at(turn_m)
+        vx, vy = speed * math.cos(pose.heading_rad), speed * math.sin(pose.heading_rad)
+        plan.situation.set_uav(Motion(104.5, pose.x_m, pose.y_m, vx, vy))
+        state = plan._strategy.state
+        plan._strategy.state = replace(state, path=replace(state.path, flown_m=turn_m))
+        there = plan._strategy.state.path.path.pose_at(turn_m + ahead_m)
+        expected = plan._strategy.state.path.frame.pose_to_map(there).heading_rad
+        assert plan.report.course_rad == pytest.approx(expected, abs=0.05)
+
+
 def test_a_clock_set_back_ends_the_settling():
     plan, _ = corrected_plan()
     plan.set_clock_back()

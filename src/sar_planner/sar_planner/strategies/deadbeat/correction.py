@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
+from sar_estimator.common.pose import Pose
 from sar_planner.guidance.waypoint_lists import PathListing
 from sar_planner.paths.flight_path import FlightPath
 from sar_planner.paths.slot_intercept import row_of
@@ -36,13 +38,8 @@ def correct(state: State, tick: Tick, off_m: float, held_lag_m: float) -> Decisi
     old = state.path
     assert old is not None
     frame, now_s = tick.slot_frame, tick.now_s
-    run_m = old.speed_mps * state.share * tick.mission.reaction_s
-    from_m = min(old.flown_m + run_m, old.path.length_m)
-    kept = old.path.cut(min(old.flown_m, old.path.length_m), from_m)
-    begin = old.path.pose_at(from_m)
-    if off_m >= tick.mission.off_path_m:
-        begin = old.carried_on(tick.uav_in(old.frame), from_m)
-        kept = FlightPath(begin, ())
+    begin, kept, left = _joined(state, tick, off_m)
+    left_m = math.inf if left is None else left.length_m
     speed_mps = tick.expected.speed_mps
     search = Recapture(
         frame.to_frame(old.frame.pose_to_map(begin)),
@@ -51,12 +48,12 @@ def correct(state: State, tick: Tick, off_m: float, held_lag_m: float) -> Decisi
         tick.turn_radius_m(state.planned_share),
         state.speed_up * speed_mps * state.share,
         tick.corner.separation_m,
-        old.path.length_m - from_m + LONGER_SPACINGS * tick.corner.spacing_m,
+        left_m + LONGER_SPACINGS * tick.corner.spacing_m,
         _sweep(state, tick),
     )
     least_m = tick.corner.separation_m + MARGIN_SHARE * tick.margin_m
     wanted_m = tick.corner.separation_m + CORRECTED_SHARE * tick.margin_m
-    path = search.best(row_of(old.path.cut(from_m)), wanted_m, least_m)
+    path = search.best(None if left is None else row_of(left), wanted_m, least_m)
     if path is None:
         return _widest(search, state, tick)
     state = replace(state, retry_s=now_s + tick.mission.correction_s)
@@ -85,6 +82,26 @@ def correct(state: State, tick: Tick, off_m: float, held_lag_m: float) -> Decisi
     return Decision(state, PathListing(name, frame.path_to_map(whole), new_mps))
 
 
+def _joined(state: State, tick: Tick, off_m: float) -> tuple[Pose, FlightPath, FlightPath | None]:
+    """Return where a new path begins, what is flown of the old one until then, and its rest.
+
+    In the old path's frame. A UAV that is lost flies neither: it goes straight on.
+    """
+    old = state.path
+    assert old is not None
+    if state.is_lost:
+        begin = tick.uav_in(old.frame, tick.mission.reaction_s)
+        return begin, FlightPath(begin, ()), None
+    run_m = old.speed_mps * state.share * tick.mission.reaction_s
+    from_m = min(old.flown_m + run_m, old.path.length_m)
+    left = old.path.cut(from_m)
+    if off_m >= tick.mission.off_path_m:
+        begin = old.carried_on(tick.uav_in(old.frame), from_m)
+        return begin, FlightPath(begin, ()), left
+    kept = old.path.cut(min(old.flown_m, old.path.length_m), from_m)
+    return old.path.pose_at(from_m), kept, left
+
+
 def _sweep(state: State, tick: Tick) -> SweepAt | None:
     """Return the UAV's swaths about the corner that is flown; None where none is."""
     estimate = tick.situation.estimate
@@ -108,7 +125,7 @@ def _widest(search: Recapture, state: State, tick: Tick) -> Decision:
         start_s=now_s,
         speed_mps=old.speed_mps * state.share,
     )
-    safe = kept_m >= tick.corner.separation_m
+    safe = kept_m >= tick.corner.separation_m and not state.is_lost
     if safe and is_on_track(old.end_in(frame)):
         return Decision(state)
     plan = rejoin_plan(state, tick, state.made_good)
@@ -118,7 +135,7 @@ def _widest(search: Recapture, state: State, tick: Tick) -> Decision:
         return Decision(state)
     widest = search.widest()
     listing = None
-    if widest is not None and widest[1] > kept_m + WIDER_M:
+    if widest is not None and (state.is_lost or widest[1] > kept_m + WIDER_M):
         path, kept_m = widest
         tracked = TrackedPath(frame, path, search.start_s, tick.expected.speed_mps)
         state = state.on_path(tracked, tick)

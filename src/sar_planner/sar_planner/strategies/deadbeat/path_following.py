@@ -27,7 +27,8 @@ from sar_planner.strategies.deadbeat.state import (
 BESIDE_M = 3.0
 SETTLED_RAD = math.radians(20.0)
 LATE_FACTOR = 2.5
-FLOWN_FACTOR = 2.5  # of what is off its path, beside which it is not flown at all
+FLOWN_FACTOR = 2.5  # of what is off its path, beside which nothing is learnt of it
+LOST_SPACINGS = 0.4  # beside its path, where the UAV flies something else
 
 
 def follow_path(state: State, tick: Tick) -> Decision:
@@ -46,11 +47,19 @@ def follow_path(state: State, tick: Tick) -> Decision:
         speed_mps = tick.flown_mps(path.speed_mps)
         efficiency = state.efficiency.watched(now_s, path.flown_m, speed_mps)
     share = tick.speed_share(path)
-    state = replaced(state, path=path, followed_s=now_s, efficiency=efficiency, speed_share=share)
+    lost = off_m > LOST_SPACINGS * tick.corner.spacing_m
+    state = replaced(
+        state,
+        path=path,
+        followed_s=now_s,
+        efficiency=efficiency,
+        speed_share=share,
+        is_lost=lost,
+    )
     rest = path.path.cut(min(path.flown_m, path.path.length_m))
     if _is_over(path, rest, tick):
         return follow_leg(state.left(tick), tick)
-    if path.is_flown or now_s < state.retry_s:
+    if (path.is_flown and not lost) or now_s < state.retry_s:
         return Decision(state)
     moved = tick.corner.turn_radius_m > state.planned_radius_m or path.misses(
         tick.slot_frame, rest.length_m, tick.mission.far_tolerance
@@ -71,7 +80,7 @@ def follow_path(state: State, tick: Tick) -> Decision:
     settling = now_s - state.corrected_s < tick.mission.settling_s
     fits = abs(lag_m) < tolerance_m and not moved and (settling or off_m < tick.mission.off_path_m)
     # Outside, a lag is left on purpose, and what is left beside the slot is the leg's.
-    fits = fits or state.flies_outside
+    fits = (fits or state.flies_outside) and not lost
     apart_m = least_apart_m(rest, forecasts, start_s=now_s, speed_mps=speed_mps)
     if off_m > BESIDE_M:
         now_m = beside_apart_m(rest, beside, forecasts, start_s=now_s, speed_mps=speed_mps)
@@ -80,6 +89,7 @@ def follow_path(state: State, tick: Tick) -> Decision:
     if fits and apart_m >= tick.corner.separation_m + margin_m:
         return Decision(state)
     safe = apart_m >= tick.corner.separation_m and (not moved or state.flies_outside)
+    safe = safe and not lost
     return correct(state, tick, off_m, abs(lag_m) if safe else math.inf)
 
 

@@ -7,10 +7,12 @@ from dataclasses import replace
 from sar_estimator.common.pose import Pose
 from sar_planner.guidance.waypoint_lists import PathListing
 from sar_planner.paths.flight_path import CornerFrame
-from sar_planner.rejoin.rejoin import RejoinPlan, RejoinTask, rejoin
+from sar_planner.rejoin.rejoin import RejoinPlan, RejoinTask, onto_track, rejoin
 from sar_planner.rejoin.tracked_path import TrackedPath
 from sar_planner.strategies.active_corner import Mode
 from sar_planner.strategies.deadbeat.state import Decision, State, Tick
+
+LATE_S = 240.0
 
 
 def start_rejoining(state: State, tick: Tick, share: float = 1.0) -> Decision:
@@ -32,6 +34,7 @@ def start_rejoining(state: State, tick: Tick, share: float = 1.0) -> Decision:
 def rejoin_plan(state: State, tick: Tick, share: float = 1.0) -> RejoinPlan | None:
     """Return the way back: with the whole margin where there is one, else what keeps more apart.
 
+    Where the slot is not met within ``LATE_S``, onto its track: the leg makes up for the rest.
     ``share``: what the UAV makes good of its speed; the plan's speed is the one to ask for.
     """
     slowest, fastest = (share * one for one in tick.path_speeds_mps(None, tick.expected.speed_mps))
@@ -46,12 +49,23 @@ def rejoin_plan(state: State, tick: Tick, share: float = 1.0) -> RejoinPlan | No
         wide,
         is_shared=tick.situation.is_shared(tick.now_s),
     )
-    plan = rejoin(task)
+    plan = _way_back(task)
     if plan is not None and not plan.kept:
-        narrow = rejoin(replace(task, separation_m=least))
+        narrow = _way_back(replace(task, separation_m=least))
         if narrow is not None and narrow.closest_m >= plan.closest_m:
             plan = narrow
     return None if plan is None else replace(plan, speed_mps=plan.speed_mps / share)
+
+
+def _way_back(task: RejoinTask) -> RejoinPlan | None:
+    """Return the way onto the slot; onto its track where that takes too long, or for ever."""
+    plan = rejoin(task)
+    if plan is not None and plan.duration_s <= LATE_S:
+        return plan
+    late = onto_track(task)
+    if plan is None or (late is not None and late.kept >= plan.kept):
+        return late
+    return plan
 
 
 def take(plan: RejoinPlan, state: State, tick: Tick) -> Decision:
@@ -66,7 +80,7 @@ def take(plan: RejoinPlan, state: State, tick: Tick) -> Decision:
 def _ahead(state: State, tick: Tick, frame: CornerFrame) -> Pose:
     """Return where the UAV will be, in a frame, when a list made now is flown."""
     path, reaction_s = state.path, tick.mission.reaction_s
-    if path is None:
+    if path is None or state.is_lost:
         return tick.uav_in(frame, reaction_s)
     run_m = path.speed_mps * state.share * reaction_s
     ahead = path.carried_on(tick.uav_in(path.frame), path.flown_m + run_m)

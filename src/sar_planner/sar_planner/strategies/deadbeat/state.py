@@ -60,6 +60,7 @@ class State:
     ``went_on``: the corner that was predicted was none. ``aim_m``: the lag that the wind asks
     for. ``planned_radius_m``: of turns of the path. ``speed_share``: what of the path's speed
     the wind and the airspeeds are expected to let the UAV make good on the rest of it.
+    ``is_lost``: the UAV is far beside the path: its list was refused, or never came.
     ``followed_s``, ``led_s``: when a path, a leg was looked at last; ``corrected_s``: when a
     path was corrected last; ``retry_s``: before which none is. ``problem``: of the last
     decision; ``path_problem``, ``corner_problem``: as long as path or corner are flown.
@@ -82,6 +83,7 @@ class State:
     aim_m: float = 0.0
     corrections: int = 0
     retry_s: float = -math.inf
+    is_lost: bool = False
     followed_s: float = -math.inf
     corrected_s: float = -math.inf
     led_s: float = -math.inf
@@ -126,6 +128,7 @@ class State:
             mode=mode,
             corner=None,
             path=None,
+            is_lost=False,
             speed_up=1.0,
             done_corner=done,
             efficiency=efficiency,
@@ -144,6 +147,7 @@ class State:
             path=path,
             speed_mps=path.speed_mps,
             speed_share=tick.speed_share(path),
+            is_lost=False,
             planned_radius_m=tick.corner.turn_radius_m,
             followed_s=tick.now_s,
             path_problem="",

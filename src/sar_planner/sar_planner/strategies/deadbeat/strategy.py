@@ -78,10 +78,13 @@ class DeadbeatStrategy(Strategy):
     @property
     def _course_rad(self) -> float:
         """The course on which the UAV will be when a speed asked for now is flown."""
-        path, slot = self.state.path, self.state.slot
-        if path is None:
+        path, slot, uav = self.state.path, self.state.slot, self._s.uav
+        if path is None or uav is None:
             return 0.0 if slot is None else slot.heading_rad
-        ahead_m = path.flown_m + self._mission.speed_lead_s * path.speed_mps
+        if self.state.is_lost:
+            return uav.course_rad
+        # As far as it really gets: one that stands in the wind is told what it needs here.
+        ahead_m = path.flown_m + self._mission.speed_lead_s * uav.speed_mps
         there = path.path.pose_at(min(max(ahead_m, 0.0), path.path.length_m))
         return path.frame.pose_to_map(there).heading_rad
 
