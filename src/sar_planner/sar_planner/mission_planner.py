@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -66,12 +65,6 @@ STRATEGIES: dict[str, type[Strategy]] = {
 }
 
 
-@lru_cache(maxsize=64)
-def _check(rules: str, corner: CornerParameters) -> None:
-    """See ``check_planner``: one mission after another has the same parameters."""
-    check_planner(rules, corner)
-
-
 class MissionPlanner:
     """Engages, disengages, and hands what is known to the chosen strategy.
 
@@ -86,7 +79,7 @@ class MissionPlanner:
         self.corner_parameters = corner
         self.parameters = mission
         own = corner.beside(mission.slot_tracks)
-        _check(mission.rules, own)
+        check_planner(mission.rules, own)
         self.situation = Situation(corner, mission.terms, mission.slot)
         self._strategy = STRATEGIES[mission.rules](self.situation, own, mission)
         lists, turns = self._strategy.lists, self._strategy.turns
@@ -209,7 +202,7 @@ class MissionPlanner:
         own = self.corner_parameters.beside(slot.tracks)
         try:
             told = changed(self.parameters, slot_side=slot.side, slot_tracks=slot.tracks)
-            _check(told.rules, own)
+            check_planner(told.rules, own)
         except ValueError as error:
             return str(error)
         self.parameters = told

@@ -33,8 +33,8 @@ class PathEfficiency:
 
     One that turns late, wide or in oscillations flies farther than planned. ``gain``: the newest
     corner's part in what is expected. ``share``: what is expected of the next corner, learnt from
-    corner to corner. ``corner``: of the present one, None while none
-    is flown. ``corners``: how many were learnt from.
+    corner to corner. ``corner``: of the present one, None while none is flown. ``corners``: how
+    many were learnt from.
     """
 
     gain: float
@@ -83,16 +83,15 @@ class PathEfficiency:
 
     def moved(self) -> PathEfficiency:
         """Go on with another path, one that begins where the UAV is."""
-        return (
-            self if self.corner is None else replace(self, corner=replace(self.corner, last=None))
-        )
+        one = self.corner
+        return self if one is None else replace(self, corner=replace(one, last=None))
 
     def restarted(self) -> PathEfficiency:
         """Forget what was flown of the present corner's path: the rest of it is watched."""
         one = self.corner
         if one is None:
             return self
-        return replace(self, corner=replace(one, flown_m=0.0, expected_m=0.0, last=None))
+        return replace(self, corner=CornerProgress(one.prior_m, one.least_m, one.gain))
 
     def cancelled(self) -> PathEfficiency:
         """Learn nothing of a path that was given up."""

@@ -151,7 +151,7 @@ class Situation:
 
     def slot_of(self, leg: Pose) -> Pose:
         """Return the slot track beside a leg, where the UAV has its place."""
-        return leg.offset(0.0, -self.progress.across(leg.heading_rad) * self.corner.spacing_m)
+        return self.slot_frame(leg).origin
 
     def slot_frame(self, leg: Pose) -> CornerFrame:
         """Return the frame of the slot track beside a leg, the helicopter on y > 0."""

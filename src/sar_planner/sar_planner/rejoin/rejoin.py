@@ -209,14 +209,15 @@ class _Search:
         step = math.ceil(len(order) / TRIED)
         if step > 1:
             # A sample of a long list tells where the first one is.
-            at = self._first(found, order[::step])
+            at = self.first_of(found, order[::step])
             if at is None:
                 return None
             last = int(np.flatnonzero(order == at)[0])
             order = np.concatenate((order[:TRIED], order[max(0, last - step) : last + 1]))
-        return self._first(found, order)
+        return self.first_of(found, order)
 
-    def _first(self, found: _Found, order: NDArray[np.intp]) -> int | None:
+    def first_of(self, found: _Found, order: NDArray[np.intp]) -> int | None:
+        """Return the first path, in an order, that keeps the separation."""
         for begin in range(0, len(order), CHUNK):
             chosen = order[begin : begin + CHUNK]
             part = _Found(found.rows[chosen], found.speeds[chosen])
@@ -353,11 +354,11 @@ def rejoin(task: RejoinTask) -> RejoinPlan | None:
     return plan
 
 
-def onto_track(task: RejoinTask) -> RejoinPlan | None:
+def onto_track(task: RejoinTask) -> RejoinPlan:
     """Return the path onto the slot's track, flown at the fastest, that ends least behind it.
 
-    Of those that keep the separation, else what keeps the most; None where there is none. For a
-    UAV that cannot meet the slot before the leg ends, or is too slow on it in the wind.
+    Of those that keep the separation, else what keeps the most. For a UAV that cannot meet the
+    slot before the leg ends, or is too slow on it in the wind.
     """
     radius_m, v = task.turn_radius_m, task.forecast.speed_mps
     reach_m = abs(task.start.y_m) + TRACK_RADII * radius_m
@@ -365,15 +366,12 @@ def onto_track(task: RejoinTask) -> RejoinPlan | None:
     targets = np.column_stack((ends, np.zeros_like(ends), np.zeros_like(ends)))
     rows = words(task.start, targets, radius_m).reshape(-1, LAST_TURN + 1)
     lags = v * lengths_m(rows, radius_m) / task.fastest_mps - np.tile(ends, len(WORDS))
-    order = np.argsort(lags)[: np.count_nonzero(np.isfinite(lags))]
+    rows = rows[np.argsort(lags)[: np.count_nonzero(np.isfinite(lags))]]
     search = _Search(task)
-    found = _Found(rows[order], np.full(len(order), task.fastest_mps))
-    apart = search.distances_m(found)
-    if len(apart) == 0:
-        return None
-    kept = np.flatnonzero(apart >= task.separation_m)
-    best = int(kept[0]) if kept.size else int(np.argmax(apart))
-    return search.plan(found.rows[best], task.fastest_mps, kept=bool(kept.size))
+    found = _Found(rows, np.full(len(rows), task.fastest_mps))
+    kept = search.first_of(found, np.arange(len(rows)))
+    best = int(np.argmax(search.distances_m(found))) if kept is None else kept
+    return search.plan(rows[best], task.fastest_mps, kept=kept is not None)
 
 
 def _on_grids(task: RejoinTask, plan: RejoinPlan) -> RejoinPlan:

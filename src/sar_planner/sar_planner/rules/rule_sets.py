@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from sar_planner.parameters.corner import PLANNERS, RULE_SETS, CornerParameters, ParameterError
 from sar_planner.rules.deadbeat_automaton import DeadbeatAutomaton
 from sar_planner.rules.paper_automaton import PaperAutomaton
@@ -22,6 +24,7 @@ def make_rule_set(
     raise ParameterError(f"rules = {name}: expected one of {', '.join(RULE_SETS)}")
 
 
+@lru_cache(maxsize=64)  # one mission after another has the same parameters
 def check_planner(name: str, parameters: CornerParameters) -> None:
     """Refuse an unknown planner, and parameters outside the conditions of its rules.
 

@@ -152,8 +152,7 @@ def _from_anywhere(
     """Go straight for the slot of the new leg, from wherever the UAV is."""
     begun = start_rejoining(state, tick, state.efficiency.share)
     path, uav = begun.state.path, tick.situation.uav
-    if begun.listing is None or path is None:
-        return begun
+    assert path is not None
     assert uav is not None
     assert isinstance(begun.listing, PathListing)
     parameters, lag_m = measured(estimate, frame, uav, tick.corner)

@@ -129,7 +129,7 @@ def _widest(search: Recapture, state: State, tick: Tick) -> Decision:
     if safe and is_on_track(old.end_in(frame)):
         return Decision(state)
     plan = rejoin_plan(state, tick, state.made_good)
-    if plan is not None and plan.kept:
+    if plan.kept:
         return take(plan, state, tick)
     if safe:
         return Decision(state)

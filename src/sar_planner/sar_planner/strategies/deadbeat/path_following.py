@@ -88,8 +88,8 @@ def follow_path(state: State, tick: Tick) -> Decision:
     margin_m = 0.0 if settling else MARGIN_SHARE * tick.margin_m
     if fits and apart_m >= tick.corner.separation_m + margin_m:
         return Decision(state)
-    safe = apart_m >= tick.corner.separation_m and (not moved or state.flies_outside)
-    safe = safe and not lost
+    stays = (not moved or state.flies_outside) and not lost
+    safe = stays and apart_m >= tick.corner.separation_m
     return correct(state, tick, off_m, abs(lag_m) if safe else math.inf)
 
 

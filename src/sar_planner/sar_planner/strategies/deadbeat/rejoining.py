@@ -22,8 +22,6 @@ def start_rejoining(state: State, tick: Tick, share: float = 1.0) -> Decision:
     """
     state = replace(state, retry_s=tick.now_s + tick.mission.retry_s)
     plan = rejoin_plan(state, tick, share)
-    if plan is None:
-        return Decision(replace(state, problem="no path back to the slot"), goes_on=True)
     taken = take(plan, state, tick)
     if plan.closest_m >= tick.corner.separation_m:
         return taken
@@ -31,7 +29,7 @@ def start_rejoining(state: State, tick: Tick, share: float = 1.0) -> Decision:
     return taken._replace(state=replace(taken.state, path_problem=problem))
 
 
-def rejoin_plan(state: State, tick: Tick, share: float = 1.0) -> RejoinPlan | None:
+def rejoin_plan(state: State, tick: Tick, share: float = 1.0) -> RejoinPlan:
     """Return the way back: with the whole margin where there is one, else what keeps more apart.
 
     Where the slot is not met within ``LATE_S``, onto its track: the leg makes up for the rest.
@@ -50,22 +48,19 @@ def rejoin_plan(state: State, tick: Tick, share: float = 1.0) -> RejoinPlan | No
         is_shared=tick.situation.is_shared(tick.now_s),
     )
     plan = _way_back(task)
-    if plan is not None and not plan.kept:
+    if not plan.kept:
         narrow = _way_back(replace(task, separation_m=least))
-        if narrow is not None and narrow.closest_m >= plan.closest_m:
-            plan = narrow
-    return None if plan is None else replace(plan, speed_mps=plan.speed_mps / share)
+        plan = narrow if narrow.closest_m >= plan.closest_m else plan
+    return replace(plan, speed_mps=plan.speed_mps / share)
 
 
-def _way_back(task: RejoinTask) -> RejoinPlan | None:
+def _way_back(task: RejoinTask) -> RejoinPlan:
     """Return the way onto the slot; onto its track where that takes too long, or for ever."""
     plan = rejoin(task)
     if plan is not None and plan.duration_s <= LATE_S:
         return plan
     late = onto_track(task)
-    if plan is None or (late is not None and late.kept >= plan.kept):
-        return late
-    return plan
+    return late if plan is None or late.kept >= plan.kept else plan
 
 
 def take(plan: RejoinPlan, state: State, tick: Tick) -> Decision:
