@@ -300,14 +300,14 @@ class MissionPlanner:
     def _refused(self, now_s: float) -> str:
         """Return why the newest list did not pass, empty when it did.
 
-        A leg's or a hold's is made again after a while; a path is corrected as the UAV leaves it.
+        A leg's or a hold's is made again after a while.
         """
         if self.list is None or self.monitor.refused_id != self.list.list_id:
             return ""
+        self._strategy.refused(now_s)
         if now_s > self._retry_s and self.mode in (Mode.LEG, Mode.HOLD, Mode.ORBIT):
             self._retry_s = now_s + self.parameters.retry_s
-            again = self.find.orbit.again if self.mode is Mode.ORBIT else self._strategy.begin
-            again()
+            (self.find.orbit.again if self.mode is Mode.ORBIT else self._strategy.begin)()
         return self.monitor.reason
 
     def set_clock_back(self) -> None:

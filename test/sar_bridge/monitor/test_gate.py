@@ -4,11 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from sar_bridge.arduplane.l1_predictor import STEP_S, Route
-from sar_bridge.monitor.gate import FARTHEST_M, Gate, Offered
+from sar_bridge.monitor.gate import FARTHEST_M, SAME_M, Gate, Judged, Offered
 from sar_bridge.monitor.helicopter_model import HelicopterModel
-from sar_bridge.monitor.outlook import Outlook
+from sar_bridge.monitor.outlook import NO_APPROACH, ClosestApproach, Outlook
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.states import Motion, Phase
 
@@ -65,6 +67,32 @@ def test_too_near_already_what_is_better_passes():
     assert refusal(gate, held, flown=flown) == ""
 
 
+@pytest.mark.parametrize("uav_y", [-120.0, -150.0, -175.0])
+def test_too_near_already_what_leads_away_passes_though_it_begins_as_near(uav_y):
+    gate, outlook = known(uav_y=uav_y)
+    stays = np.array([[800.0, uav_y], [4000.0, uav_y]])
+    away = np.array([[300.0, -450.0], [4000.0, -450.0]])
+    flown = Route(stays, outlook.uav)
+    futures = outlook.futures(100.0)
+    ahead = gate._judged(gate._path(Offered(away, None), 100.0, flown), futures)
+    assert ahead.nearest.distance_m < 200.0
+    assert refusal(gate, away, flown=flown) == ""
+    assert refusal(gate, away) == ""
+    assert "m in" in refusal(gate, stays, flown=flown)
+
+
+NEAR_M = st.floats(0.0, 200.0)
+
+
+@given(NEAR_M, st.floats(0.0, 50.0), NEAR_M, st.floats(0.0, 50.0))
+def test_of_two_lists_at_most_one_is_better_and_it_comes_no_nearer(near, short, other, less):
+    one = Judged(ClosestApproach(near, 0.0, ""), short)
+    two = Judged(ClosestApproach(other, 0.0, ""), less)
+    assert not (one.is_better(two, 5.0) and two.is_better(one, 5.0))
+    if one.is_better(two, 5.0):
+        assert near >= other - SAME_M
+
+
 def make_late(outlook, late_s, now_s=100.0):
     """Have a list taken so long to the autopilot."""
     outlook.timing.give(1, now_s - late_s)
@@ -90,11 +118,18 @@ def test_a_list_that_will_be_flown_late_is_looked_at_from_where_the_uav_will_be_
     assert late[:, 1].max() > soon[:, 1].max() + 5.0 * (late_s - 1.0)
 
 
-def test_what_passes_where_lists_come_soon_may_be_refused_where_they_come_late():
+def test_a_list_that_keeps_apart_where_lists_come_soon_may_not_where_they_come_late():
     away = np.array([[150.0, -500.0], [2000.0, -900.0]])
-    gate, outlook = known(better_list_m=1000.0)
+    gate, outlook = known()
     outlook.set_uav(Motion(100.0, 0.0, -240.0, 15.0, 13.0))
     flown = Route(np.array([[300.0, 0.0], [2000.0, 900.0]]), outlook.uav)
-    assert refusal(gate, away, flown=flown) == ""
+
+    def judged():
+        path = gate._path(Offered(away, None), 100.0, flown)
+        return gate._judged(path, outlook.futures(100.0))
+
+    assert judged() == Judged(NO_APPROACH, 0.0)
     make_late(outlook, 5.0)
-    assert "m in" in refusal(gate, away, flown=flown)
+    late = judged()
+    assert late.nearest.distance_m < 200.0
+    assert late.short_m > 0.0

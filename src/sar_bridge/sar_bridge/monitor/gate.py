@@ -7,12 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from sar_bridge.arduplane.l1_predictor import STEP_S, Route, motion_at_end
+from sar_bridge.monitor.escapes import Apart
 from sar_bridge.monitor.helicopter_hypotheses import Future
 from sar_bridge.monitor.outlook import NO_APPROACH, ClosestApproach, Outlook
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.states import FloatArray, Motion
 
 FARTHEST_M = 100_000.0
+SAME_M = 1.0
+SHORTER_SHARE = 0.75  # of what is missing on the list that is flown: clearly less than that
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +28,24 @@ class Offered:
     def route(self, uav: Motion) -> Route:
         """Return it as flown by a UAV from where it is."""
         return Route(self.points, uav, speed_mps=self.speed_mps)
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """How a path breaks what is asked for, the doubt in its favour.
+
+    ``nearest``: its closest approach, ``NO_APPROACH`` where it breaks nothing. ``short_m``: what is
+    missing of the least separation, the mean over the horizon [m].
+    """
+
+    nearest: ClosestApproach
+    short_m: float
+
+    def is_better(self, other: Judged, by_m: float) -> bool:
+        """Whether it comes less near by so much, or no nearer and clearly for a shorter time."""
+        farther_m = self.nearest.distance_m - other.nearest.distance_m
+        shorter = self.short_m < SHORTER_SHARE * other.short_m
+        return farther_m > by_m or (farther_m >= -SAME_M and shorter)
 
 
 class Gate:
@@ -40,7 +61,8 @@ class Gate:
     ) -> str:
         """Return why a list may not pass, empty when it may; ``flown``: the list that is.
 
-        One that is better than what is flown passes even where it breaks the least separation.
+        One that is better than what is flown passes even where it breaks the least separation: it
+        comes less near, or no nearer and is apart again sooner.
         """
         points, outlook = offered.points, self._outlook
         if len(points) == 0:
@@ -52,13 +74,13 @@ class Gate:
             return f"list refused: {obstacle}"
         assert outlook.uav is not None
         futures = outlook.futures(now_s)
-        ahead = self._near(self._path(offered, now_s, flown), futures)
-        if ahead is NO_APPROACH:
+        ahead = self._judged(self._path(offered, now_s, flown), futures)
+        if ahead.nearest is NO_APPROACH:
             return ""
         held = flown or Route(np.empty((0, 2)), outlook.uav)
-        before = self._near(self._path_on(held, now_s, is_flown=flown is not None), futures)
-        better = ahead.distance_m > before.distance_m + self._p.better_list_m
-        return "" if better else f"list refused: {ahead}"
+        before = self._judged(self._path_on(held, now_s, is_flown=flown is not None), futures)
+        better = ahead.is_better(before, self._p.better_list_m)
+        return "" if better else f"list refused: {ahead.nearest}"
 
     def _path_on(self, route: Route, now_s: float, *, is_flown: bool) -> FloatArray:
         """Return where the UAV will be on a route from now on."""
@@ -86,10 +108,23 @@ class Gate:
         )
         return np.vstack((before[:-2], after))
 
-    def _near(self, path: FloatArray, futures: list[Future]) -> ClosestApproach:
-        """Return how a path breaks what is asked for; ``NO_APPROACH`` where it does not."""
+    def _judged(self, path: FloatArray, futures: list[Future]) -> Judged:
+        """Return how a path breaks what is asked for."""
+        near = self._outlook.apart(path, futures)
+        return Judged(self._nearest(near), self._short_m(near))
+
+    def _short_m(self, near: list[Apart]) -> float:
+        """Return what is missing of the least separation from all that is likely [m], mean."""
+        p = self._p
+        likely = [one.distance_m + p.gate_sigmas * one.sigma_m for one in near if one.future.likely]
+        if not likely:
+            return 0.0
+        least = np.min(likely, axis=0)
+        return float(np.maximum(p.min_separation_m - least, 0.0).mean())
+
+    def _nearest(self, near: list[Apart]) -> ClosestApproach:
+        """Return the approach that breaks what is asked for; ``NO_APPROACH`` where none does."""
         p, outlook = self._p, self._outlook
-        near = outlook.apart(path, futures)
         likely = outlook.closest(near, p.gate_sigmas, p.horizon_s, only_likely=True)
         any_soon = outlook.closest(near, p.gate_sigmas, p.possible_horizon_s)
         if any_soon.distance_m < self._escape_m:

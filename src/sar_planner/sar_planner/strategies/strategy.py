@@ -92,6 +92,9 @@ class Strategy(ABC):
     def begin(self) -> None:
         """Begin to lead."""
 
+    def refused(self, now_s: float) -> None:  # noqa: B027 - nothing to be done by most
+        """Take note that the newest list is not flown; told as long as that is so."""
+
     @abstractmethod
     def end(self) -> None:
         """Stop leading."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sar_estimator.common.pose import Pose
-from sar_estimator.common.reports import UavStatus
+from sar_estimator.common.reports import MonitorReport, UavStatus
 from sar_estimator.common.states import CornerEstimate, LegEstimate, Motion, Phase
 from sar_planner.guidance.path_efficiency import PathEfficiency
 from sar_planner.guidance.turn_radius import Turns
@@ -145,6 +145,13 @@ def is_disengaged_and_engaged(plan, now_s):
     assert plan.engage(now_s) == ""
 
 
+def list_is_refused(plan, now_s):
+    """The newest one; where there is none, another's."""
+    helicopter_at(plan, now_s)
+    refused_id = 1 if plan.list is None else plan.list.list_id
+    plan.set_monitor(MonitorReport(reason="list refused: near", refused_id=refused_id))
+
+
 EVENTS = (
     goes_on,
     predicts,
@@ -158,6 +165,7 @@ EVENTS = (
     uav_is_blown_aside,
     clock_is_set_back,
     is_disengaged_and_engaged,
+    list_is_refused,
 )
 
 
@@ -199,6 +207,7 @@ def test_every_event_in_every_state(mode, event):
         uav_is_blown_aside: {Mode.REJOIN} | {mode} - {Mode.LEG, Mode.HOLD},
         clock_is_set_back: {Mode.LEG, Mode.REJOIN},
         is_disengaged_and_engaged: {Mode.LEG, Mode.REJOIN},
+        list_is_refused: {mode},
     }[event]
     assert state.mode in expected, plan.problem
 
@@ -223,6 +232,52 @@ def test_a_mode_without_what_it_needs_is_refused(mode):
                 replace(state, mode=other)
     with pytest.raises(ValueError, match="idle: "):
         replace(state, mode=Mode.IDLE)
+
+
+def test_on_a_refused_list_the_uav_is_taken_to_fly_the_path_that_it_had():
+    plan = led(Mode.CORNER)
+    flown = plan._strategy.state
+    stands(plan, 107.0)
+    plan.situation.set_uav(Motion(107.0, 140.0, -290.0, 20.0, 0.0))
+    assert plan.update(107.0) is not None
+    given = plan._strategy.state
+    assert given.corrections == flown.corrections + 1
+    list_is_refused(plan, 107.4)
+    plan.situation.set_uav(Motion(107.4, 148.0, -290.0, 20.0, 0.0))
+    plan.update(107.4)
+    state = plan._strategy.state
+    assert state.path.path == flown.path.path != given.path.path
+    assert state.path.flown_m > flown.path.flown_m + 60.0
+    assert state.speed_up == flown.speed_up
+    assert (state.corner, state.before) == (given.corner, None)
+    assert state.retry_s == 107.4 + MissionParameters().retry_s
+    plan.update(107.8)  # told again of the same list: that changes nothing
+    assert plan._strategy.state.retry_s == state.retry_s
+
+
+def test_a_refused_path_of_a_uav_that_flew_none_is_made_again_from_where_it_is():
+    """It flies on along its leg: nothing of the path is flown, however near it still is."""
+    plan = led(Mode.CORNER)
+    state = plan._strategy.state
+    assert state.before.path is None
+    refused = state.refused(106.0)
+    assert refused.is_lost
+    assert not refused.listed(state).before.is_lost
+    list_is_refused(plan, 105.0)
+    stands(plan, 105.0)
+    plan.update(105.0)
+    plan.situation.set_uav(Motion(107.2, 144.0, -250.0, 20.0, 0.0))
+    helicopter_at(plan, 107.2, vx=0.0, x=80.0)
+    again = plan.update(107.2)
+    assert again is not None
+    assert not plan._strategy.state.is_lost
+    assert math.dist(again.points[0], (144.0, -250.0)) < 150.0
+
+
+def test_a_refusal_means_nothing_to_a_state_without_a_path():
+    for mode in (Mode.LEG, Mode.HOLD):
+        state = led(mode)._strategy.state
+        assert state.refused(106.0) is state
 
 
 def test_a_decision_changes_neither_its_state_nor_what_it_is_taken_from():

@@ -27,7 +27,7 @@ OUT_M = (0.0, 20.0, 40.0)
 """How much farther out the UAV may pass beside a helicopter that stands in the corner."""
 WIDER_M = (0.0, 10.0, 20.0, 35.0, 50.0, 70.0, 90.0)
 """How much farther before its nose it may pass."""
-ASTRAY_SHARES = (0.875, 0.825, 0.775, 0.7)
+ASTRAY_SHARES = (0.925, 0.875, 0.825, 0.775, 0.7)
 """Of the least separation: to one that leaves another way than expected, the most wanted first."""
 CUT_ASTRAY_SHARE = 0.95
 """The same where the corner is cut: a chord leads the nearer, the farther on the stop is."""

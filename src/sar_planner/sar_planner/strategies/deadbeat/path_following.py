@@ -47,7 +47,7 @@ def follow_path(state: State, tick: Tick) -> Decision:
         speed_mps = tick.flown_mps(path.speed_mps)
         efficiency = state.efficiency.watched(now_s, path.flown_m, speed_mps)
     share = tick.speed_share(path)
-    lost = off_m > LOST_SPACINGS * tick.corner.spacing_m
+    lost = state.is_lost or off_m > LOST_SPACINGS * tick.corner.spacing_m
     state = replaced(
         state,
         path=path,

@@ -60,7 +60,8 @@ class State:
     ``went_on``: the corner that was predicted was none. ``aim_m``: the lag that the wind asks
     for. ``planned_radius_m``: of turns of the path. ``speed_share``: what of the path's speed
     the wind and the airspeeds are expected to let the UAV make good on the rest of it.
-    ``is_lost``: the UAV is far beside the path: its list was refused, or never came.
+    ``is_lost``: the UAV flies something else than the path: its list was refused, or never came.
+    ``before``: what was flown before the newest list; what is flown still where that is refused.
     ``followed_s``, ``led_s``: when a path, a leg was looked at last; ``corrected_s``: when a
     path was corrected last; ``retry_s``: before which none is. ``problem``: of the last
     decision; ``path_problem``, ``corner_problem``: as long as path or corner are flown.
@@ -84,6 +85,7 @@ class State:
     corrections: int = 0
     retry_s: float = -math.inf
     is_lost: bool = False
+    before: State | None = None
     followed_s: float = -math.inf
     corrected_s: float = -math.inf
     led_s: float = -math.inf
@@ -151,6 +153,32 @@ class State:
             planned_radius_m=tick.corner.turn_radius_m,
             followed_s=tick.now_s,
             path_problem="",
+        )
+
+    def listed(self, before: State) -> State:
+        """Return the state once a list goes out, after one in which another was flown."""
+        return replaced(self, before=replaced(before, before=None))
+
+    def refused(self, retry_s: float) -> State:
+        """Return the state once the newest list was refused, not to be solved again before a time.
+
+        The UAV is on the path that it had before, or, where it had none, on no path.
+        """
+        before = self.before
+        if self.path is None or before is None:
+            return self
+        state = replaced(self, before=None, retry_s=retry_s, efficiency=self.efficiency.moved())
+        if before.path is None:
+            return replaced(state, is_lost=True)
+        return replaced(
+            state,
+            path=before.path,
+            speed_mps=before.speed_mps,
+            speed_up=before.speed_up,
+            speed_share=before.speed_share,
+            planned_radius_m=before.planned_radius_m,
+            followed_s=before.followed_s,
+            is_lost=before.is_lost,
         )
 
     def left(self, tick: Tick) -> State:

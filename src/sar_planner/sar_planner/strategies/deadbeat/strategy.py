@@ -98,6 +98,10 @@ class DeadbeatStrategy(Strategy):
             state = replaced(state, done_corner=self._s.corners_seen)
         self.state = state
 
+    def refused(self, now_s: float) -> None:
+        """Take note that the newest list is not flown: what was flown before it still is."""
+        self.state = self.state.refused(now_s + self._mission.retry_s)
+
     def end(self) -> None:
         """Stop leading."""
         self.state = replaced(self.state.without_path(Mode.LEG), speed_mps=None)
@@ -135,7 +139,7 @@ class DeadbeatStrategy(Strategy):
         self.state = decision.state
         if decision.listing is None or self._s.uav is None:
             return None
-        self.state = with_sure(decision.state, tick)
+        self.state = with_sure(decision.state, tick).listed(state)
         return self.lists.make(decision.listing, self._s.uav)
 
 
