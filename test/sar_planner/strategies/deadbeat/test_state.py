@@ -17,7 +17,7 @@ from sar_planner.mission_planner import MissionPlanner
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
 from sar_planner.strategies.active_corner import Mode
-from sar_planner.strategies.deadbeat.state import Tick
+from sar_planner.strategies.deadbeat.state import MOST_REFUSALS, REFUSED_ROOM_M, Tick
 from sar_planner.strategies.deadbeat.strategy import decide
 
 MODES = (Mode.LEG, Mode.CORNER, Mode.REJOIN, Mode.HOLD)
@@ -249,29 +249,41 @@ def test_on_a_refused_list_the_uav_is_taken_to_fly_the_path_that_it_had():
     assert state.path.path == flown.path.path != given.path.path
     assert state.path.flown_m > flown.path.flown_m + 60.0
     assert state.speed_up == flown.speed_up
-    assert (state.corner, state.before) == (given.corner, None)
+    assert (state.corner, state.before, state.refusals) == (given.corner, None, 1)
     assert state.retry_s == 107.4 + MissionParameters().retry_s
     plan.update(107.8)  # told again of the same list: that changes nothing
     assert plan._strategy.state.retry_s == state.retry_s
 
 
-def test_a_refused_path_of_a_uav_that_flew_none_is_made_again_from_where_it_is():
-    """It flies on along its leg: nothing of the path is flown, however near it still is."""
+def test_a_refused_path_of_a_uav_that_flew_none_is_made_again_as_it_is_seen_to_leave_it():
+    """It flies on along its leg; the next path keeps more room."""
     plan = led(Mode.CORNER)
-    state = plan._strategy.state
-    assert state.before.path is None
-    refused = state.refused(106.0)
-    assert refused.is_lost
-    assert not refused.listed(state).before.is_lost
+    given = plan._strategy.state
+    assert given.before.path is None
     list_is_refused(plan, 105.0)
     stands(plan, 105.0)
     plan.update(105.0)
-    plan.situation.set_uav(Motion(107.2, 144.0, -250.0, 20.0, 0.0))
-    helicopter_at(plan, 107.2, vx=0.0, x=80.0)
-    again = plan.update(107.2)
+    state = plan._strategy.state
+    assert state.path.path == given.path.path
+    assert (state.refusals, state.room_m) == (1, REFUSED_ROOM_M)
+    again, now_s = None, 106.0
+    while again is None and now_s < 116.0:
+        now_s += 1.0
+        plan.situation.set_uav(Motion(now_s, 20.0 * (now_s - 100.0), -250.0, 20.0, 0.0))
+        helicopter_at(plan, now_s, vx=0.0, x=80.0)
+        again = plan.update(now_s)
     assert again is not None
-    assert not plan._strategy.state.is_lost
-    assert math.dist(again.points[0], (144.0, -250.0)) < 150.0
+    assert math.dist(again.points[0], (20.0 * (now_s - 100.0), -250.0)) < 60.0
+
+
+def test_who_is_refused_again_and_again_asks_for_more_room_up_to_a_limit():
+    state = led(Mode.CORNER)._strategy.state
+    rooms = []
+    for _ in range(MOST_REFUSALS + 2):
+        state = state.listed(state).refused(106.0)
+        rooms.append(state.room_m)
+    assert rooms == [15.0, 30.0, 45.0, 45.0, 45.0]
+    assert state.without_path(Mode.LEG).room_m == 0.0
 
 
 def test_a_refusal_means_nothing_to_a_state_without_a_path():

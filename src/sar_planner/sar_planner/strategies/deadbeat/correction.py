@@ -51,8 +51,9 @@ def correct(state: State, tick: Tick, off_m: float, held_lag_m: float) -> Decisi
         left_m + LONGER_SPACINGS * tick.corner.spacing_m,
         _sweep(state, tick),
     )
-    least_m = tick.corner.separation_m + MARGIN_SHARE * tick.margin_m
-    wanted_m = tick.corner.separation_m + CORRECTED_SHARE * tick.margin_m
+    separation_m = tick.corner.separation_m + state.room_m
+    least_m = separation_m + MARGIN_SHARE * tick.margin_m
+    wanted_m = separation_m + CORRECTED_SHARE * tick.margin_m
     path = search.best(None if left is None else row_of(left), wanted_m, least_m)
     if path is None:
         return _widest(search, state, tick)

@@ -36,7 +36,7 @@ def rejoin_plan(state: State, tick: Tick, share: float = 1.0) -> RejoinPlan:
     ``share``: what the UAV makes good of its speed; the plan's speed is the one to ask for.
     """
     slowest, fastest = (share * one for one in tick.path_speeds_mps(None, tick.expected.speed_mps))
-    wide, _, least = tick.separations_m
+    wide, _, least = (one + state.room_m for one in tick.separations_m)
     task = RejoinTask(
         _ahead(state, tick, tick.slot_frame),
         tick.now_s + tick.mission.reaction_s,

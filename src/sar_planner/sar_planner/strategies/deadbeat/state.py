@@ -37,6 +37,7 @@ TURNED_FASTER = 0.2  # share of V, by which it flies faster at most where it tur
 CROSSING_SLOWER = 0.3  # share of V by which a UAV flies slower on a cross leg
 UNSURE_SPACINGS = 0.16  # planned beyond the least separation before it was seen how a UAV turns
 LATER_S = 1.0  # a lag for corners is one for those, too, that are seen later than as a rule
+REFUSED_ROOM_M, MOST_REFUSALS = 15.0, 3
 WATCH_S = 0.39  # between two looks: two decisions at 5 Hz, whatever their times round to
 
 NEEDS = {
@@ -62,6 +63,7 @@ class State:
     the wind and the airspeeds are expected to let the UAV make good on the rest of it.
     ``is_lost``: the UAV flies something else than the path: its list was refused, or never came.
     ``before``: what was flown before the newest list; what is flown still where that is refused.
+    ``refusals``: how many lists were refused since the UAV left its leg.
     ``followed_s``, ``led_s``: when a path, a leg was looked at last; ``corrected_s``: when a
     path was corrected last; ``retry_s``: before which none is. ``problem``: of the last
     decision; ``path_problem``, ``corner_problem``: as long as path or corner are flown.
@@ -86,6 +88,7 @@ class State:
     retry_s: float = -math.inf
     is_lost: bool = False
     before: State | None = None
+    refusals: int = 0
     followed_s: float = -math.inf
     corrected_s: float = -math.inf
     led_s: float = -math.inf
@@ -98,6 +101,11 @@ class State:
         has = self.corner is not None, self.path is not None
         if NEEDS.get(self.mode) != has:
             raise ValueError(f"{self.mode}: corner and path are {has}")
+
+    @property
+    def room_m(self) -> float:
+        """What a path keeps beyond what is wanted, as others were refused [m]."""
+        return REFUSED_ROOM_M * self.refusals
 
     @property
     def share(self) -> float:
@@ -131,6 +139,7 @@ class State:
             corner=None,
             path=None,
             is_lost=False,
+            refusals=0,
             speed_up=1.0,
             done_corner=done,
             efficiency=efficiency,
@@ -162,16 +171,19 @@ class State:
     def refused(self, retry_s: float) -> State:
         """Return the state once the newest list was refused, not to be solved again before a time.
 
-        The UAV is on the path that it had before, or, where it had none, on no path.
+        The UAV is on the path that it had before; where it had none it is seen to leave this one.
+        Who was refused asks for more room.
         """
         before = self.before
         if self.path is None or before is None:
             return self
-        state = replaced(self, before=None, retry_s=retry_s, efficiency=self.efficiency.moved())
+        refusals = min(self.refusals + 1, MOST_REFUSALS)
+        state = replaced(self, before=None, refusals=refusals, efficiency=self.efficiency.moved())
         if before.path is None:
-            return replaced(state, is_lost=True)
+            return state
         return replaced(
             state,
+            retry_s=retry_s,
             path=before.path,
             speed_mps=before.speed_mps,
             speed_up=before.speed_up,
