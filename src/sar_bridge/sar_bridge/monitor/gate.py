@@ -111,7 +111,8 @@ class Gate:
     def _judged(self, path: FloatArray, futures: list[Future]) -> Judged:
         """Return how a path breaks what is asked for."""
         near = self._outlook.apart(path, futures)
-        return Judged(self._nearest(near), self._short_m(near))
+        nearest = self._nearest(near)
+        return Judged(nearest, 0.0 if nearest is NO_APPROACH else self._short_m(near))
 
     def _short_m(self, near: list[Apart]) -> float:
         """Return what is missing of the least separation from all that is likely [m], mean."""
