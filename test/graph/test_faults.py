@@ -59,9 +59,11 @@ def test_clock_autopilot_and_mode_in_one_flight(launch, tmp_path):
 def test_when_dds_is_cut_the_heartbeats_stop_and_afterwards_all_goes_on(launch, tmp_path):
     faults = scenario(tmp_path, Fault("dds", "off", 30.0, 60.0))
     flight = launch("--scenario", faults, "--speed", "10", before=IN_OWN_NETWORK)
-    least_m, modes, told = flown(flight)
+    least_m, modes, _ = flown(flight)
     assert least_m > 100.0
-    assert any(name == "bridge" and "no heartbeats" in text for _, name, text in told)
+    log = (flight.out / "log" / "bridge.log").read_text(encoding="utf-8")
+    # Cut off, it can tell nobody; how much of that arrives afterwards is chance.
+    assert log.index("no heartbeats") < log.index("heartbeats to the autopilot go on")
     assert modes[-1][1] != "idle"
     recorded = [t for _, t, _ in read_messages(flight.out / "bag", {topics.UAV_ODOMETRY})]
     gaps = [after - before for before, after in pairwise(recorded)]

@@ -170,6 +170,10 @@ def test_a_silent_planner_silences_the_heartbeats_while_a_list_is_flown(flight):
     flight.give(topics.DIAGNOSTICS, (Health("planner"),))
     flight.run(1.1)
     assert flight.sent.count("HEARTBEAT") > before
+    assert [value for topic, value in flight.told if topic == NOTICES] == [
+        ("error", "no heartbeats to the autopilot: node planner is silent"),
+        ("info", "heartbeats to the autopilot go on"),
+    ]
 
 
 def test_a_dead_link_is_severe(flight):

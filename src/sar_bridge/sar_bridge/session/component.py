@@ -83,6 +83,7 @@ class BridgeComponent(Component):
         self._sent_upload: object = None
         self._sent_autopilot: dict[str, float] = {}
         self._lateness = Lateness()
+        self._withheld = ""
         self.inputs = {
             topics.CLEARED: self._on_list,
             topics.SPEED: self._on_speed,
@@ -199,7 +200,7 @@ class BridgeComponent(Component):
             session.address,
             flown=session.leading,
             busy=session.transfer.active,
-            silent=bool(session.leading and session.silent),
+            silent=bool(session.withheld),
         )
 
     def _spread(self, traffic: Traffic, now_s: float) -> Outputs:
@@ -235,7 +236,16 @@ class BridgeComponent(Component):
         if status != self._sent_state:
             self._sent_state = status
             out.append((topics.UAV_STATE, status))
-        return out
+        return out + self._withholding()
+
+    def _withholding(self) -> Outputs:
+        """Log when heartbeats stop, and when they go on: the graph may not hear of it."""
+        before, self._withheld = self._withheld, self.session.withheld
+        if bool(before) == bool(self._withheld):
+            return []
+        if self._withheld:
+            return [(NOTICES, Notice("error", self._withheld))]
+        return [(NOTICES, Notice("info", "heartbeats to the autopilot go on"))]
 
     # What is known -----------------------------------------------------------------------------
 

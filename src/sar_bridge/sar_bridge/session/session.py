@@ -172,7 +172,7 @@ class AutopilotSession:
         """Return what is due: heartbeats, repeats, and a list that failed before."""
         out: Messages = []
         due = now_s - self._heartbeat_sent_s >= HEARTBEAT_PERIOD_S
-        if due and not (self.leading and self.silent):
+        if due and not self.withheld:
             self._heartbeat_sent_s = now_s
             out.append(ground_heartbeat())
         if self.address is None or self._commands is None or self._reader is None:
@@ -198,6 +198,13 @@ class AutopilotSession:
         """Whether a list is to be flown, and nobody has taken the UAV since."""
         return self.transfer.wanted is not None and not self.guard.released
 
+    @property
+    def withheld(self) -> str:
+        """Why no heartbeats go to the autopilot, so that its failsafe acts; empty when they do."""
+        if not (self.leading and self.silent):
+            return ""
+        return f"no heartbeats to the autopilot: node {self.silent} is silent"
+
     def connected(self, now_s: float) -> bool:
         """Whether the autopilot's heartbeat is fresh."""
         return now_s - self.state.heartbeat_s < self._link_timeout_s
@@ -219,8 +226,8 @@ class AutopilotSession:
             return "no autopilot heard"
         if not self.connected(now_s):
             return "autopilot's heartbeat lost"
-        if self.silent and self.leading:
-            return f"no heartbeats to the autopilot: node {self.silent} is silent"
+        if self.withheld:
+            return self.withheld
         if self.guard.taken:
             return f"released: {self.guard.taken}"
         if self.transfer.failure:
