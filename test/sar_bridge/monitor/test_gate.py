@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from sar_bridge.arduplane.l1_predictor import STEP_S, Route
 from sar_bridge.monitor.gate import FARTHEST_M, SAME_M, Gate, Judged, Offered
 from sar_bridge.monitor.helicopter_model import HelicopterModel
-from sar_bridge.monitor.outlook import NO_APPROACH, ClosestApproach, Outlook
+from sar_bridge.monitor.outlook import ClosestApproach, Outlook
 from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.states import Motion, Phase
 
@@ -118,18 +118,12 @@ def test_a_list_that_will_be_flown_late_is_looked_at_from_where_the_uav_will_be_
     assert late[:, 1].max() > soon[:, 1].max() + 5.0 * (late_s - 1.0)
 
 
-def test_a_list_that_keeps_apart_where_lists_come_soon_may_not_where_they_come_late():
-    away = np.array([[150.0, -500.0], [2000.0, -900.0]])
+def test_a_way_across_passes_where_lists_come_soon_and_is_refused_where_they_come_late():
+    """A slow UAV crosses ahead of the helicopter, which comes nearer meanwhile."""
     gate, outlook = known()
-    outlook.set_uav(Motion(100.0, 0.0, -240.0, 15.0, 13.0))
-    flown = Route(np.array([[300.0, 0.0], [2000.0, 900.0]]), outlook.uav)
-
-    def judged():
-        path = gate._path(Offered(away, None), 100.0, flown)
-        return gate._judged(path, outlook.futures(100.0))
-
-    assert judged() == Judged(NO_APPROACH, 0.0)
+    outlook.set_uav(Motion(100.0, 560.0, -250.0, 12.0, 0.0))
+    flown = Route(np.array([[1300.0, -250.0], [4000.0, -250.0]]), outlook.uav)
+    across = np.array([[620.0, 400.0], [620.0, 3000.0]])
+    assert refusal(gate, across, flown=flown) == ""
     make_late(outlook, 5.0)
-    late = judged()
-    assert late.nearest.distance_m < 200.0
-    assert late.short_m > 0.0
+    assert "if the helicopter goes on" in refusal(gate, across, flown=flown)
