@@ -127,7 +127,7 @@ class PlannerComponent(Component):
         return [(topics.MISSION, record)]
 
     def _on_helicopter(self, report: HelicopterReport, _now_s: float) -> Outputs:
-        self.planner.situation.set_helicopter(report.motion)
+        self.planner.situation.set_helicopter(report.motion, report.velocity_sigma_mps)
         return []
 
     def _on_uav(self, report: UavReport, _now_s: float) -> Outputs:

@@ -304,7 +304,8 @@ class MissionPlanner:
         """
         if self.list is None or self.monitor.refused_id != self.list.list_id:
             return ""
-        self._strategy.refused(now_s)
+        if self.mode is not Mode.ORBIT:
+            self._strategy.refused(now_s)
         if now_s > self._retry_s and self.mode in (Mode.LEG, Mode.HOLD, Mode.ORBIT):
             self._retry_s = now_s + self.parameters.retry_s
             (self.find.orbit.again if self.mode is Mode.ORBIT else self._strategy.begin)()

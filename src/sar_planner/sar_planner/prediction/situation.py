@@ -22,7 +22,7 @@ from sar_planner.prediction.helicopter_predictor import HelicopterPredictor
 
 CLOCK_STEP_S = 1.0
 SAME_CORNER_S = 10.0
-STRAY_SIGMAS = 2.0
+STRAY_SIGMAS, SURE_SIGMAS = 2.0, 3.0
 OTHERS_STALE_S, OTHERS_HORIZON_S = 15.0, 60.0
 HOVER_MPS, HOVERS_S = 5.0, 10.0
 
@@ -50,6 +50,7 @@ class Situation:
         self.progress = Progress(terms, slot)
         self._turn_rad = self.progress.here.turn_rad
         self.helicopter: Motion | None = None
+        self._velocity_sigma_mps = 0.0
         self.uav: Motion | None = None
         self.phase = Phase.LOST
         self._stopped_s = math.inf
@@ -64,10 +65,10 @@ class Situation:
 
     # Events ------------------------------------------------------------------------------------
 
-    def set_helicopter(self, motion: Motion) -> None:
-        """Take the helicopter's newest motion."""
+    def set_helicopter(self, motion: Motion, velocity_sigma_mps: float = 0.0) -> None:
+        """Take the helicopter's newest motion; ``velocity_sigma_mps``: along one axis."""
         if motion.is_finite():
-            self.helicopter = motion
+            self.helicopter, self._velocity_sigma_mps = motion, velocity_sigma_mps
             self.progress.see(motion.x_m, motion.y_m)
 
     def set_uav(self, motion: Motion) -> None:
@@ -103,6 +104,21 @@ class Situation:
             return False
         turned = wrap_angle(self.helicopter.course_rad - self.estimate.stop.heading_rad)
         return self.helicopter.speed_mps > MOVING_MPS and abs(turned) > LEAST_TURN_RAD
+
+    @property
+    def has_left(self) -> bool:
+        """Whether it surely flies along the next leg, before it is told that it slows no more.
+
+        As who flies through a corner does, and a receiver that measures velocity shows.
+        """
+        seen, corner = self.helicopter, self.estimate
+        if self.phase is not Phase.DECELERATING or not self._is_predicted or self.went_on:
+            return False
+        if seen is None or corner is None or not self._has_turned:
+            return False
+        off = seen.course_rad - corner.stop.heading_rad - self._turn_rad
+        sure_mps = max(MOVING_MPS, SURE_SIGMAS * self._velocity_sigma_mps)
+        return seen.speed_mps * math.cos(off) > sure_mps
 
     def set_corner(self, estimate: CornerEstimate) -> bool:
         """Take a prediction, or a refinement, of the corner ahead; return whether it is new.
@@ -245,7 +261,7 @@ class Situation:
             corner=self.corner,
             turn_rad=self._turn_rad,
             helicopter=self.helicopter,
-            phase=self.phase,
+            phase=Phase.ACCELERATING if self.has_left else self.phase,
             leg=self.leg,
             estimate=self.estimate,
             is_predicted=self._is_predicted,

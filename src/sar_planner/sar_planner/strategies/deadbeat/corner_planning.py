@@ -178,9 +178,9 @@ def commit_when_due(state: State, tick: Tick) -> State:
     active = state.corner
     assert active is not None
     margin_m = tick.mission.reaction_s * active.uav_speed_mps
-    overtaken = (
-        tick.situation.corners_seen > active.k or tick.situation.phase is not Phase.DECELERATING
-    )
+    situation = tick.situation
+    slows = situation.phase is Phase.DECELERATING and not situation.has_left
+    overtaken = situation.corners_seen > active.k or not slows
     if not (overtaken or active.plan.turn_start_m - active.flown_m(tick.now_s) < margin_m + 1e-6):
         return state
     efficiency = state.efficiency.begun(tick.corner.speed_mps, is_known=tick.turns.is_sure)

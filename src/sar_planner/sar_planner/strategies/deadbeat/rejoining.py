@@ -33,7 +33,8 @@ def rejoin_plan(state: State, tick: Tick, share: float = 1.0) -> RejoinPlan:
     """Return the way back: with the whole margin where there is one, else what keeps more apart.
 
     Where the slot is not met within ``LATE_S``, onto its track: the leg makes up for the rest.
-    ``share``: what the UAV makes good of its speed; the plan's speed is the one to ask for.
+    ``share``: what the UAV makes good of its speed; the plan's speed is the one to ask for. It is
+    kept where it keeps the least, if not the margin.
     """
     slowest, fastest = (share * one for one in tick.path_speeds_mps(None, tick.expected.speed_mps))
     wide, _, least = (one + state.room_m for one in tick.separations_m)
@@ -51,7 +52,7 @@ def rejoin_plan(state: State, tick: Tick, share: float = 1.0) -> RejoinPlan:
     if not plan.kept:
         narrow = _way_back(replace(task, separation_m=least))
         plan = narrow if narrow.closest_m >= plan.closest_m else plan
-    return replace(plan, speed_mps=plan.speed_mps / share)
+    return replace(plan, speed_mps=plan.speed_mps / share, kept=plan.closest_m >= least)
 
 
 def _way_back(task: RejoinTask) -> RejoinPlan:

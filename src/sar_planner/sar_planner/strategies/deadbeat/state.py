@@ -104,7 +104,10 @@ class State:
 
     @property
     def room_m(self) -> float:
-        """What a path keeps beyond what is wanted, as others were refused [m]."""
+        """What a path keeps beyond what is wanted, as others were refused [m].
+
+        After the third that is more than the slot has: then the way leads out, not into it.
+        """
         return REFUSED_ROOM_M * self.refusals
 
     @property
@@ -171,26 +174,27 @@ class State:
     def refused(self, retry_s: float) -> State:
         """Return the state once the newest list was refused, not to be solved again before a time.
 
-        The UAV is on the path that it had before; where it had none it is seen to leave this one.
-        Who was refused asks for more room.
+        The UAV is on the path that it had before; where it had none it flies on along its leg, and
+        the path of this state is one that nobody flies. Who was refused asks for more room.
         """
         before = self.before
         if self.path is None or before is None:
             return self
-        refusals = min(self.refusals + 1, MOST_REFUSALS)
-        state = replaced(self, before=None, refusals=refusals, efficiency=self.efficiency.moved())
-        if before.path is None:
-            return state
+        on_leg = before.path is None
         return replaced(
-            state,
+            self,
+            before=None,
+            refusals=min(self.refusals + 1, MOST_REFUSALS),
+            efficiency=self.efficiency.moved(),
+            corner=None if self.corner is None else replaced(self.corner, sure=None),
             retry_s=retry_s,
-            path=before.path,
-            speed_mps=before.speed_mps,
+            path=self.path if on_leg else before.path,
+            is_lost=on_leg or before.is_lost,
+            speed_mps=self.speed_mps if before.speed_mps is None else before.speed_mps,
             speed_up=before.speed_up,
             speed_share=before.speed_share,
             planned_radius_m=before.planned_radius_m,
             followed_s=before.followed_s,
-            is_lost=before.is_lost,
         )
 
     def left(self, tick: Tick) -> State:
