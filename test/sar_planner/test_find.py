@@ -59,6 +59,24 @@ def test_a_circle_in_which_the_helicopter_could_not_hover_is_refused(make_bench,
         make_bench(orbit_radius_m=radius)
 
 
+def test_a_refused_list_of_an_orbit_is_none_of_the_way_back(make_bench):
+    bench = make_bench()
+    bench.uav = bench.uav._replace(y_m=-700.0)
+    bench.plan.engage(0.0)
+    bench.fly(2.0)
+    way_back = bench.plan._strategy.state
+    assert way_back.mode is Mode.REJOIN
+    bench.plan.find.mark(bench.now)
+    assert bench.plan.orbit(bench.now) == ""
+    bench.fly(2.0)
+    assert bench.plan.mode is Mode.ORBIT
+    refused = MonitorReport(reason="list refused: near", refused_id=bench.lists[-1].list_id)
+    bench.plan.set_monitor(refused)
+    bench.plan.update(bench.now + 0.5)
+    assert "list refused: near" in bench.plan.problem
+    assert bench.plan._strategy.state.refusals == 0
+
+
 EVENTS = {
     "mark": lambda plan, bench: plan.find.mark(bench.now),
     "elsewhere": lambda plan, bench: plan.find.mark(

@@ -298,10 +298,7 @@ class MissionPlanner:
         return self.list
 
     def _refused(self, now_s: float) -> str:
-        """Return why the newest list did not pass, empty when it did.
-
-        A leg's or a hold's is made again after a while.
-        """
+        """Return why the newest list did not pass, if it did not; a leg's is soon made again."""
         if self.list is None or self.monitor.refused_id != self.list.list_id:
             return ""
         if self.mode is not Mode.ORBIT:

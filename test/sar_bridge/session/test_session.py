@@ -485,16 +485,16 @@ def heartbeats(bench, seconds):
 
 def test_heartbeats_stop_while_a_list_is_flown_that_nobody_watches_over(bench):
     assert heartbeats(bench, 3.0) == 3
-    bench.session.silent = "planner"
+    bench.session.heartbeats.silent = "planner"
     assert heartbeats(bench, 3.0) == 3  # nothing is led: its failsafe is not ours to call
     bench.exchange(bench.session.set_list(LINE, 1.0, DATUM, bench.now))
     assert heartbeats(bench, 3.0) == 0
     assert bench.session.problem(bench.now) == (
         "no heartbeats to the autopilot: node planner is silent"
     )
-    bench.session.silent = ""
+    bench.session.heartbeats.silent = ""
     assert heartbeats(bench, 3.0) == 3
-    bench.session.silent = "monitor"
+    bench.session.heartbeats.silent = "monitor"
     bench.mode(FlightMode.LOITER)  # a human took it
     assert bench.session.guard.released
     assert heartbeats(bench, 3.0) == 3

@@ -122,7 +122,7 @@ class Bench:
                 (message,) = mavlink.MAVLink(None).parse_buffer(one)
                 kind = message.get_type()
                 assert kind not in NEVER
-                if session.leading and session.silent:
+                if session.leading and session.heartbeats.silent:
                     assert kind not in STICKS
                 if session.leading and kind in MISSION_WRITES:
                     assert message.mission_type not in OURS

@@ -66,6 +66,46 @@ def test_slowing_it_will_turn_to_the_patterns_side(side):
     assert known.slot_of(forecast.leg).x_m == pytest.approx(80.0 - 250.0)
 
 
+def turning(side, vx=3.0, vy=4.0):
+    """Two seconds before the stop that is expected, 2 m short of it and already aside."""
+    return Motion(106.0, 78.0, -2.0 * side, vx, -vy * side)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_one_who_turns_while_he_slows_has_left_already(side):
+    slowing = Motion(106.0, 75.0, 0.0, 5.0, 0.0)
+    stops = situation(Phase.DECELERATING, slowing, side=side, corner=estimate())
+    known = situation(Phase.DECELERATING, turning(side), side=side, corner=estimate())
+    assert (stops.has_left, known.has_left) == (False, True)
+    leaving, stopping = known.forecasts(106.0)[0], stops.forecasts(106.0)[0]
+    assert leaving.leg.heading_rad == pytest.approx(-side * math.pi / 2.0)
+    assert -side * leaving.positions([106.0])[0][1] == pytest.approx(2.0)
+    # He needs 6.4 s to V, and the other 2 s to the stop and 8 from it.
+    ahead_m = -side * (leaving.positions([130.0])[0] - stopping.positions([130.0])[0])[1]
+    assert ahead_m == pytest.approx(2.0 + 20.0 * (24.0 - 6.4) + 12.0 * 6.4 - 20.0 * 14.0 - 80.0)
+
+
+@pytest.mark.parametrize(
+    ("motion", "sigma_mps"),
+    [
+        (turning(1), 1.5),  # as sure as positions alone make it
+        (turning(-1), 0.1),  # to the other side
+        (turning(1, vx=8.0), 0.1),  # not by 40 degrees yet
+        (turning(1, vx=0.0, vy=2.5), 0.1),  # too slow to have a course
+    ],
+)
+def test_who_may_still_stop_has_not_left(motion, sigma_mps):
+    known = situation(Phase.DECELERATING, motion, corner=estimate())
+    known.set_helicopter(motion, sigma_mps)
+    assert not known.has_left
+
+
+@pytest.mark.parametrize("phase", [phase for phase in Phase if phase is not Phase.DECELERATING])
+def test_only_of_one_who_slows_it_is_asked_whether_he_has_left(phase):
+    assert not situation(phase, turning(1), corner=estimate()).has_left
+    assert not situation(Phase.DECELERATING, turning(1)).has_left
+
+
 def test_standing_it_has_just_left_or_stands_on():
     known = situation(Phase.STOPPED, Motion(120.0, 80.0, 0.0, 0.0, 0.0), corner=estimate())
     leaving, standing = known.forecasts(120.0)

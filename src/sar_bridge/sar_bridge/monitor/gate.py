@@ -14,8 +14,8 @@ from sar_bridge.monitor.parameters import MonitorParameters
 from sar_estimator.common.states import FloatArray, Motion
 
 FARTHEST_M = 100_000.0
-SAME_M = 1.0
-SHORTER_SHARE = 0.75  # of what is missing on the list that is flown: clearly less than that
+SAME_M = 1.0  # no nearer, as near as two predictions of one way can be told apart
+LESS_SHARE = 0.75  # of what is missing on the list that is flown: clearly less than that
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,10 +42,10 @@ class Judged:
     short_m: float
 
     def is_better(self, other: Judged, by_m: float) -> bool:
-        """Whether it comes less near by so much, or no nearer and clearly for a shorter time."""
+        """Whether it comes less near by so much, or no nearer and less is missing on the way."""
         farther_m = self.nearest.distance_m - other.nearest.distance_m
-        shorter = self.short_m < SHORTER_SHARE * other.short_m
-        return farther_m > by_m or (farther_m >= -SAME_M and shorter)
+        less_short = self.short_m < LESS_SHARE * other.short_m
+        return farther_m > by_m or (farther_m >= -SAME_M and less_short)
 
 
 class Gate:
@@ -62,7 +62,7 @@ class Gate:
         """Return why a list may not pass, empty when it may; ``flown``: the list that is.
 
         One that is better than what is flown passes even where it breaks the least separation: it
-        comes less near, or no nearer and is apart again sooner.
+        comes less near, or no nearer and less is missing of the least separation on the way.
         """
         points, outlook = offered.points, self._outlook
         if len(points) == 0:

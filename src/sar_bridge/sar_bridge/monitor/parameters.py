@@ -47,7 +47,7 @@ class MonitorParameters:
     matched_mps: from the helicopter's speed, within which the UAV is expected to go on at that.
     matched_s: over which the UAV's speed is averaged for that.
     better_list_m: that a list must keep more than the one being flown to pass, where both come too
-        near, if it is not apart again sooner.
+        near, if less is not missing on the way.
     better_way_m: that another way out must be worth more, to change to it.
     rechoose_s: for how long a way out is held to at least.
     climb_mps: with which the UAV is expected to climb on a way out.

@@ -83,7 +83,6 @@ class BridgeComponent(Component):
         self._sent_upload: object = None
         self._sent_autopilot: dict[str, float] = {}
         self._lateness = Lateness()
-        self._withheld = ""
         self.inputs = {
             topics.CLEARED: self._on_list,
             topics.SPEED: self._on_speed,
@@ -200,7 +199,7 @@ class BridgeComponent(Component):
             session.address,
             flown=session.leading,
             busy=session.transfer.active,
-            silent=bool(session.withheld),
+            silent=bool(session.heartbeats.withheld(leading=session.leading)),
         )
 
     def _spread(self, traffic: Traffic, now_s: float) -> Outputs:
@@ -227,7 +226,7 @@ class BridgeComponent(Component):
         """Send what is due; tell the autopilot's status when it is another."""
         if self._started_s == 0.0:
             self._started_s = self.ros_s  # the first time a simulated clock is known
-        self.session.silent = self._liveness.silent(now_s)
+        self.session.heartbeats.silent = self._liveness.silent(now_s)
         out = self._own(self.session.tick(now_s))
         for traffic in self.stations.tick(now_s, self._bridge()):
             out += self._spread(traffic, now_s)
@@ -236,16 +235,8 @@ class BridgeComponent(Component):
         if status != self._sent_state:
             self._sent_state = status
             out.append((topics.UAV_STATE, status))
-        return out + self._withholding()
-
-    def _withholding(self) -> Outputs:
-        """Log when heartbeats stop, and when they go on: the graph may not hear of it."""
-        before, self._withheld = self._withheld, self.session.withheld
-        if bool(before) == bool(self._withheld):
-            return []
-        if self._withheld:
-            return [(NOTICES, Notice("error", self._withheld))]
-        return [(NOTICES, Notice("info", "heartbeats to the autopilot go on"))]
+        news = self.session.heartbeats.news(leading=self.session.leading)
+        return out if news is None else [*out, (NOTICES, news)]
 
     # What is known -----------------------------------------------------------------------------
 

@@ -10,10 +10,11 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sar_bridge.mavlink.addressed import Address
 from sar_bridge.mavlink.autopilot_state import AutopilotState
-from sar_bridge.mavlink.commands import Command, CommandQueue, ground_heartbeat
+from sar_bridge.mavlink.commands import Command, CommandQueue
 from sar_bridge.mavlink.mission_items import FloatArray
 from sar_bridge.mavlink.mission_upload import MissionUpload
 from sar_bridge.mavlink.parameter_reader import ParameterReader
+from sar_bridge.session.heartbeats import Heartbeats
 from sar_bridge.session.list_transfer import Accepted, ListTransfer, Messages, Wanted
 from sar_bridge.session.mode_guard import ModeGuard
 from sar_bridge.session.speed_command import SpeedCommand
@@ -21,7 +22,6 @@ from sar_bridge.session.telemetry_streams import TelemetryStreams
 from sar_estimator.common.geodesy import Datum
 from sar_estimator.common.reports import UavStatus
 
-HEARTBEAT_PERIOD_S = 1.0
 FOREIGN_S = 3.0
 
 
@@ -29,9 +29,8 @@ class AutopilotSession:
     """Talks to the first autopilot heard, or to the configured system.
 
     ``state``: what the autopilot says of itself. ``transfer``: lists on their way to it. ``guard``:
-    who has the UAV. ``streams``: the telemetry that is asked for. ``silent``: the node that leads
-    the UAV or watches over it and is not heard any more: while it is named and a list is flown
-    there are no heartbeats, so that the autopilot's own failsafe acts.
+    who has the UAV. ``streams``: the telemetry that is asked for. ``heartbeats``: the ground
+    station's, that tell the autopilot that it is led.
     """
 
     def __init__(
@@ -45,7 +44,7 @@ class AutopilotSession:
         self.transfer = ListTransfer(self.state, altitude_m=altitude_m)
         self.guard = ModeGuard()
         self.address: Address | None = None
-        self.silent = ""
+        self.heartbeats = Heartbeats()
         self._wanted_system = target_system
         self._link_timeout_s = link_timeout_s
         self._speed = SpeedCommand()
@@ -54,7 +53,6 @@ class AutopilotSession:
         self._reader: ParameterReader | None = None
         self._reboots = 0
         self._ours_s = float("inf")
-        self._heartbeat_sent_s = float("-inf")
 
     # What is asked of the session --------------------------------------------------------------
 
@@ -170,11 +168,7 @@ class AutopilotSession:
 
     def tick(self, now_s: float) -> Messages:
         """Return what is due: heartbeats, repeats, and a list that failed before."""
-        out: Messages = []
-        due = now_s - self._heartbeat_sent_s >= HEARTBEAT_PERIOD_S
-        if due and not self.withheld:
-            self._heartbeat_sent_s = now_s
-            out.append(ground_heartbeat())
+        out = self.heartbeats.due(now_s, leading=self.leading)
         if self.address is None or self._commands is None or self._reader is None:
             return out
         if self.state.mode != "GUIDED" and not self.guard.returning:
@@ -198,13 +192,6 @@ class AutopilotSession:
         """Whether a list is to be flown, and nobody has taken the UAV since."""
         return self.transfer.wanted is not None and not self.guard.released
 
-    @property
-    def withheld(self) -> str:
-        """Why no heartbeats go to the autopilot, so that its failsafe acts; empty when they do."""
-        if not (self.leading and self.silent):
-            return ""
-        return f"no heartbeats to the autopilot: node {self.silent} is silent"
-
     def connected(self, now_s: float) -> bool:
         """Whether the autopilot's heartbeat is fresh."""
         return now_s - self.state.heartbeat_s < self._link_timeout_s
@@ -226,8 +213,8 @@ class AutopilotSession:
             return "no autopilot heard"
         if not self.connected(now_s):
             return "autopilot's heartbeat lost"
-        if self.withheld:
-            return self.withheld
+        if withheld := self.heartbeats.withheld(leading=self.leading):
+            return withheld
         if self.guard.taken:
             return f"released: {self.guard.taken}"
         if self.transfer.failure:

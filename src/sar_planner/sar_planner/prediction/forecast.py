@@ -10,11 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sar_estimator.common.other_uavs import OtherUav
 from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import Motion
 from sar_planner.paths.flight_path import CornerFrame, FloatArray
 
 LEAST_SPEED_MPS, LEAST_WAY_M = 5.0, 1.0
+OTHERS_HORIZON_S = 60.0
 
 
 class Stretch(NamedTuple):
@@ -143,6 +145,15 @@ def along_list(motion: Motion, points: FloatArray, now_s: float, horizon_s: floa
         here, time_s = Pose(x_m, y_m, heading), time_s + way_m / speed
     last = stretches[-1]
     return Forecast(tuple(stretches), last.start, last.time_s, speed)
+
+
+def along_lists(others: Sequence[OtherUav], now_s: float) -> list[Forecast]:
+    """Return the forecasts of other UAVs, each along its list as far as it is known."""
+    unknown = np.empty((0, 2))
+    return [
+        along_list(one.motion, one.flown.points if one.flown else unknown, now_s, OTHERS_HORIZON_S)
+        for one in others
+    ]
 
 
 def _ahead(points: FloatArray, here: Pose) -> int:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from sar_estimator.common.other_uavs import OtherUav, OtherUavs
-from sar_estimator.common.pose import Pose, wrap_angle
+from sar_estimator.common.pose import Pose
 from sar_estimator.common.states import CornerEstimate, FloatArray, LegEstimate, Motion, Phase
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.parameters.mission import MissionParameters
@@ -16,14 +16,15 @@ from sar_planner.patterns.ahead import corners_ahead
 from sar_planner.patterns.legs import SQUARE, PatternTerms, inside_of
 from sar_planner.patterns.progress import Progress
 from sar_planner.patterns.slot import INSIDE, Slot
-from sar_planner.prediction.corner_cost import LEAST_TURN_RAD, MOVING_MPS, CornerCost
-from sar_planner.prediction.forecast import Forecast, along_list
+from sar_planner.prediction.corner_cost import CornerCost
+from sar_planner.prediction.forecast import Forecast, along_lists
 from sar_planner.prediction.helicopter_predictor import HelicopterPredictor
+from sar_planner.prediction.turning import has_turned, surely_leaves
 
 CLOCK_STEP_S = 1.0
 SAME_CORNER_S = 10.0
-STRAY_SIGMAS, SURE_SIGMAS = 2.0, 3.0
-OTHERS_STALE_S, OTHERS_HORIZON_S = 15.0, 60.0
+STRAY_SIGMAS = 2.0
+OTHERS_STALE_S = 15.0
 HOVER_MPS, HOVERS_S = 5.0, 10.0
 
 
@@ -90,7 +91,7 @@ class Situation:
         if phase is Phase.DECELERATING and self.phase is not phase:
             self._is_predicted = False
         if self.phase is Phase.DECELERATING and phase in (Phase.CRUISE, Phase.ACCELERATING):
-            self.went_on = not self._has_turned
+            self.went_on = not has_turned(self.helicopter, self.estimate)
         if phase is not Phase.STOPPED or self.helicopter is None:
             self._stopped_s = math.inf
         elif self.phase is not phase:
@@ -98,27 +99,17 @@ class Situation:
         self.phase = phase
 
     @property
-    def _has_turned(self) -> bool:
-        """Whether the helicopter flies elsewhere than before the corner: it was rolled."""
-        if self.helicopter is None or self.estimate is None:
-            return False
-        turned = wrap_angle(self.helicopter.course_rad - self.estimate.stop.heading_rad)
-        return self.helicopter.speed_mps > MOVING_MPS and abs(turned) > LEAST_TURN_RAD
-
-    @property
     def has_left(self) -> bool:
-        """Whether it surely flies along the next leg, before it is told that it slows no more.
-
-        As who flies through a corner does, and a receiver that measures velocity shows.
-        """
-        seen, corner = self.helicopter, self.estimate
+        """Whether it is told to slow, but surely flies along the next leg already."""
         if self.phase is not Phase.DECELERATING or not self._is_predicted or self.went_on:
             return False
-        if seen is None or corner is None or not self._has_turned:
-            return False
-        off = seen.course_rad - corner.stop.heading_rad - self._turn_rad
-        sure_mps = max(MOVING_MPS, SURE_SIGMAS * self._velocity_sigma_mps)
-        return seen.speed_mps * math.cos(off) > sure_mps
+        sigma_mps = self._velocity_sigma_mps
+        return surely_leaves(self.helicopter, self.estimate, self._turn_rad, sigma_mps)
+
+    @property
+    def slows(self) -> bool:
+        """Whether it is taken to come to a stop at the corner."""
+        return self.phase is Phase.DECELERATING and not self.has_left
 
     def set_corner(self, estimate: CornerEstimate) -> bool:
         """Take a prediction, or a refinement, of the corner ahead; return whether it is new.
@@ -267,7 +258,7 @@ class Situation:
             is_predicted=self._is_predicted,
             went_on=self.went_on,
         ).forecasts(now_s)
-        return (*helicopter, *self._of_others(now_s)) if helicopter else ()
+        return (*helicopter, *along_lists(self._near_others(now_s), now_s)) if helicopter else ()
 
     def is_shared(self, now_s: float) -> bool:
         """Whether UAVs that have the right of way are in this layer."""
@@ -277,15 +268,3 @@ class Situation:
         return self.others.near(
             now_s, self.altitude_m, layer_m=self.layer_m, stale_s=OTHERS_STALE_S
         )
-
-    def _of_others(self, now_s: float) -> list[Forecast]:
-        """Return the motions of the UAVs that have the right of way, and are in this layer."""
-        return [
-            along_list(
-                one.motion,
-                np.empty((0, 2)) if one.flown is None else one.flown.points,
-                now_s,
-                OTHERS_HORIZON_S,
-            )
-            for one in self._near_others(now_s)
-        ]

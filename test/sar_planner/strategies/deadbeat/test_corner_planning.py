@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from sar_estimator.common.pose import Pose
+from sar_estimator.common.states import Motion
 from sar_planner.guidance.turn_radius import Turns
 from sar_planner.guidance.waypoint_lists import PathListing
 from sar_planner.prediction.separation import least_apart_m
@@ -67,6 +68,14 @@ def test_it_commits_when_the_uav_is_about_to_turn(tick_at, state, corner):
     early, late = (tick_at(turn_s + by, corner=corner) for by in (-1.5, -0.9))
     assert not commit_when_due(found, early).corner.committed
     assert commit_when_due(found, late).corner.committed
+
+
+def test_it_commits_when_the_helicopter_turns_as_it_slows(tick_at, state, corner):
+    found = planned(tick_at, state, corner, x=-470.0).state
+    tick = tick_at(106.0, corner=corner, x=-430.0)
+    assert not commit_when_due(found, tick).corner.committed
+    tick.situation.set_helicopter(Motion(106.0, 78.0, -2.0, 3.0, -4.0))
+    assert commit_when_due(found, tick).corner.committed
 
 
 def test_on_its_slot_it_turns_as_soon_as_it_can_and_is_committed_to_that(tick_at, state, corner):

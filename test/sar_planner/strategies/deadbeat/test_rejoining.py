@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from sar_planner.guidance.turn_radius import Turns
 from sar_planner.strategies.active_corner import Mode
 from sar_planner.strategies.deadbeat.rejoining import rejoin_plan, start_rejoining, take
+from sar_planner.strategies.deadbeat.state import MOST_REFUSALS, REFUSED_ROOM_M
 
 
 @settings(max_examples=20, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -31,6 +32,20 @@ def test_the_whole_margin_is_kept_where_it_can_be(tick_at, state):
     plan = rejoin_plan(state, tick)
     assert plan.kept
     assert plan.closest_m >= tick.separations_m[0] - 1e-6
+
+
+@pytest.mark.parametrize(("x", "y"), [(300.0, 0.0), (300.0, 300.0)])
+def test_who_was_refused_is_led_back_with_more_room(tick_at, state, x, y):
+    tick = tick_at(x=x, y=y)
+    for refusals in range(MOST_REFUSALS):
+        plan = rejoin_plan(replace(state, refusals=refusals), tick)
+        wanted_m = tick.separations_m[0] + refusals * REFUSED_ROOM_M
+        assert wanted_m - 1e-6 <= plan.closest_m < wanted_m + 3.0
+    # More than there is in the slot: what keeps the least and its room is a way for all that.
+    plan = rejoin_plan(replace(state, refusals=MOST_REFUSALS), tick)
+    assert plan.kept
+    assert tick.separations_m[2] + MOST_REFUSALS * REFUSED_ROOM_M <= plan.closest_m
+    assert plan.closest_m < tick.separations_m[0] + MOST_REFUSALS * REFUSED_ROOM_M
 
 
 def test_one_that_begins_too_near_is_told_with_what_it_keeps(tick_at, state):

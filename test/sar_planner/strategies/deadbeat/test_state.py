@@ -99,6 +99,11 @@ def takes_it_back(plan, now_s):
     goes_on(plan, now_s)
 
 
+def turns_as_it_slows(plan, now_s):
+    predicts(plan, now_s)
+    helicopter_at(plan, now_s, vx=4.0, vy=-6.0, x=75.0)
+
+
 def stands(plan, now_s):
     predicts(plan, now_s)
     plan.situation.set_phase(Phase.STOPPED)
@@ -157,6 +162,7 @@ EVENTS = (
     predicts,
     predicts_what_is_outside_the_rules,
     takes_it_back,
+    turns_as_it_slows,
     stands,
     turns_and_leaves,
     turns_the_other_way,
@@ -199,6 +205,7 @@ def test_every_event_in_every_state(mode, event):
         predicts: {Mode.CORNER},
         predicts_what_is_outside_the_rules: {Mode.LEG, Mode.REJOIN, Mode.HOLD} | {mode},
         takes_it_back: {Mode.LEG, Mode.REJOIN} | {Mode.CORNER} & {was_begun},
+        turns_as_it_slows: {Mode.CORNER},
         stands: {Mode.CORNER},
         turns_and_leaves: {Mode.CORNER},
         turns_the_other_way: {Mode.CORNER},
@@ -255,17 +262,20 @@ def test_on_a_refused_list_the_uav_is_taken_to_fly_the_path_that_it_had():
     assert plan._strategy.state.retry_s == state.retry_s
 
 
-def test_a_refused_path_of_a_uav_that_flew_none_is_made_again_as_it_is_seen_to_leave_it():
-    """It flies on along its leg; the next path keeps more room."""
+def test_a_uav_on_its_leg_whose_path_is_refused_flies_on_along_it_and_is_given_another():
     plan = led(Mode.CORNER)
     given = plan._strategy.state
     assert given.before.path is None
+    given = replace(given, before=replace(given.before, speed_mps=19.0))
+    plan._strategy.state = given
     list_is_refused(plan, 105.0)
     stands(plan, 105.0)
-    plan.update(105.0)
+    assert plan.update(105.0) is None
     state = plan._strategy.state
-    assert state.path.path == given.path.path
-    assert (state.refusals, state.room_m) == (1, REFUSED_ROOM_M)
+    assert (state.path.path, state.is_lost) == (given.path.path, True)
+    assert (state.speed_mps, state.speed_up) == (19.0, 1.0)
+    assert state.retry_s == 105.0 + MissionParameters().retry_s
+    assert (state.refusals, state.room_m, state.corner.sure) == (1, REFUSED_ROOM_M, None)
     again, now_s = None, 106.0
     while again is None and now_s < 116.0:
         now_s += 1.0

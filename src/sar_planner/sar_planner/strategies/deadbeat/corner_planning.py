@@ -6,7 +6,7 @@ import functools
 from dataclasses import replace
 
 from sar_estimator.common.pose import Pose
-from sar_estimator.common.states import CornerEstimate, Phase
+from sar_estimator.common.states import CornerEstimate
 from sar_planner.guidance.waypoint_lists import PathListing
 from sar_planner.parameters.corner import CornerParameters
 from sar_planner.paths.flight_path import CornerFrame
@@ -178,9 +178,7 @@ def commit_when_due(state: State, tick: Tick) -> State:
     active = state.corner
     assert active is not None
     margin_m = tick.mission.reaction_s * active.uav_speed_mps
-    situation = tick.situation
-    slows = situation.phase is Phase.DECELERATING and not situation.has_left
-    overtaken = situation.corners_seen > active.k or not slows
+    overtaken = tick.situation.corners_seen > active.k or not tick.situation.slows
     if not (overtaken or active.plan.turn_start_m - active.flown_m(tick.now_s) < margin_m + 1e-6):
         return state
     efficiency = state.efficiency.begun(tick.corner.speed_mps, is_known=tick.turns.is_sure)

@@ -67,8 +67,7 @@ def follow_path(state: State, tick: Tick) -> Decision:
     forecasts = tick.forecasts_in(path.frame)
     slowest, fastest = tick.path_speeds_mps(state.planned_share, forecasts[0].speed_mps)
     if state.flies_outside:
-        stands = tick.situation.phase in (Phase.DECELERATING, Phase.STOPPED)
-        if stands and not tick.situation.has_left:
+        if tick.situation.slows or tick.situation.phase is Phase.STOPPED:
             # Not before the nose of one that may go straight on: the leg makes up for it.
             slowest = fastest = state.speed_up * tick.expected.speed_mps
         else:  # as fast as the wind lets it on each course
