@@ -149,9 +149,13 @@ def along_list(motion: Motion, points: FloatArray, now_s: float, horizon_s: floa
 
 def along_lists(others: Sequence[OtherUav], now_s: float) -> list[Forecast]:
     """Return the forecasts of other UAVs, each along its list as far as it is known."""
-    unknown = np.empty((0, 2))
     return [
-        along_list(one.motion, one.flown.points if one.flown else unknown, now_s, OTHERS_HORIZON_S)
+        along_list(
+            one.motion,
+            np.empty((0, 2)) if one.flown is None else one.flown.points,
+            now_s,
+            OTHERS_HORIZON_S,
+        )
         for one in others
     ]
 

@@ -29,7 +29,9 @@ def surely_leaves(
     As who flies through the corner does, and a receiver that measures velocity shows. ``turn_rad``:
     to that leg, left positive. ``velocity_sigma_mps``: along one axis.
     """
-    if helicopter is None or corner is None or not has_turned(helicopter, corner):
+    if not has_turned(helicopter, corner):
         return False
+    assert helicopter is not None
+    assert corner is not None
     off = helicopter.course_rad - corner.stop.heading_rad - turn_rad
     return helicopter.speed_mps * math.cos(off) > max(MOVING_MPS, SURE_SIGMAS * velocity_sigma_mps)
